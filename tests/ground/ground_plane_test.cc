@@ -363,6 +363,17 @@ TEST(EstimateGround, SaysSoWhereATableTopIsAllThereIs) {
   EXPECT_THAT(WarningsOf(Capture(room.world, poses)), testing::IsEmpty());
 }
 
+TEST(EstimateGround, SmallPatchesOfFloorTellThatATableTopIsNone) {
+  // The table ends before the wall: a strip of floor is seen beyond its edge.
+  BoxWorld world;
+  world.boxes = {{{-1.4, -2.0, 0.70}, {1.2, 2.0, 0.74}}};
+  std::vector<Pose3> poses;
+  for (int k = 0; k < 10; ++k)
+    poses.push_back(LookAt({-0.6, 0.04 * k - 0.2, 1.5}, {1.3, 0.02 * k, 0.74}));
+  const TrueCapture capture = Capture(world, poses);
+  ExpectFloor(capture, Estimate(capture), 0.04, 1.0);
+}
+
 // The second capture begins at the last pose of the first, as tracking has it: lost there, and
 // joined by a composed edge.
 TrueCapture Joined(TrueCapture first, const TrueCapture& second) {

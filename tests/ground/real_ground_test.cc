@@ -60,5 +60,30 @@ TEST(RealGround, TheKitchenFloorIsSeenThoughATableIsInFront) {
   EXPECT_LT(estimated.ground.plane_world->d_m, 1.6);
 }
 
+// From here on the table fills the pictures, and no keyframe shows more than a fiftieth of floor.
+constexpr FrameIdx kFirstWithoutFloor{250};
+
+TEST(RealGround, TheKitchenFloorIsFoundWhereNoPictureShowsMuchOfIt) {
+  DEEPSLAM_REQUIRE_TEST_DATA(data);
+  const Estimated whole = Estimate(data / "data" / "redkitchen");
+  ASSERT_TRUE(whole.ground.plane_world.has_value());
+  Odometry late = whole.odometry;
+  std::erase_if(late.keyframes, [](FrameIdx k) { return k < kFirstWithoutFloor; });
+  std::erase_if(late.edges, [](const RelativePose& edge) {
+    return edge.i < kFirstWithoutFloor || edge.j < kFirstWithoutFloor;
+  });
+  SilentProgress progress;
+  const Result<Ground> ground =
+      EstimateGround(*whole.capture.frames, late, GroundOptions{}, progress);
+  ASSERT_TRUE(ground.ok() && ground->plane_world.has_value());
+  const double cosine = ground->plane_world->normal.dot(whole.ground.plane_world->normal);
+  EXPECT_GT(cosine, 0.9994) << "2 degrees";
+  for (const GroundObservation& seen : ground->observations) {
+    const Pose3& pose = late.at(seen.keyframe).world_from_camera;
+    EXPECT_NEAR(
+        seen.plane_camera.d_m, whole.ground.plane_world->SignedDistance(pose.translation_m), 0.1);
+  }
+}
+
 }  // namespace
 }  // namespace deepslam::ground

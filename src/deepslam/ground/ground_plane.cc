@@ -18,6 +18,7 @@
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
+#include "deepslam/ground/floor_patches.h"
 #include "deepslam/ground/ground_points.h"
 #include "deepslam/ground/held_camera.h"
 #include "deepslam/ground/level_search.h"
@@ -53,9 +54,9 @@ constexpr std::array kTurns = {QuarterTurn::kNone,
                                QuarterTurn::kClockwise,
                                QuarterTurn::kHalf,
                                QuarterTurn::kAnticlockwise};  // behind `auto`
-
-// A camera in a hand is higher above the floor: lower ones are on a robot, or above a table top.
-constexpr double kLowCameraM = 0.9;
+// Of a ground told by patches: its direction is that of table tops, its height that of the patches.
+constexpr double kPatchAngleRad = 1.0 * kRadPerDeg;
+constexpr double kPatchDistanceM = 0.03;  // drift between the keyframes that see them
 
 bool HasPose(const TrackedFrame& frame) {
   return IsAligned(frame) || frame.keyframe == frame.frame;
@@ -111,6 +112,10 @@ class GroundSearch {
   Result<Ground> Run() {
     if (!FindSightings()) return Interrupted();
     const auto start = FindGroundSighting(sightings_, samples_, options_);
+    // What is so near below the camera may be a table top.
+    if (!start || sightings_[*start].plane_camera.d_m < kLowCameraM) {
+      if (std::optional<Ground> found = GroundOfPatches()) return *std::move(found);
+    }
     Ground ground;
     if (!start) return ground;
     observations_.resize(keyframes_.size());
@@ -128,6 +133,44 @@ class GroundSearch {
   }
 
  private:
+  [[nodiscard]] std::optional<Ground> GroundOfPatches() const {
+    const std::optional<Eigen::Vector3d> up_world = VerticalDirection(sightings_);
+    if (!up_world) return std::nullopt;
+    const std::vector<FloorPatch> patches = FindPatches(*up_world);
+    const auto level = FindLowestLevel(patches, samples_, *up_world, options_);
+    if (!level) return std::nullopt;
+    Ground ground;
+    ground.plane_world = Plane{*up_world, -level->height_m};
+    for (const std::size_t n : level->patches) {
+      const TrackedFrame& keyframe = keyframes_[patches[n].keyframe];
+      const Plane seen_world{*up_world, -patches[n].height_m};
+      ground.observations.push_back({keyframe.frame,
+                                     Transformed(keyframe.world_from_camera.Inverse(), seen_world),
+                                     InformationOf(kPatchAngleRad, kPatchDistanceM),
+                                     patches[n].num_points});
+    }
+    return ground;
+  }
+
+  // The lowest patch of each keyframe that has one.
+  [[nodiscard]] std::vector<FloorPatch> FindPatches(const Eigen::Vector3d& up_world) const {
+    std::vector<std::optional<FloorPatch>> found(keyframes_.size());
+    ParallelFor(keyframes_.size(), [&](std::size_t k) {
+      const Pose3& pose = keyframes_[k].world_from_camera;
+      const GroundPoints points = ReadPoints(k);
+      found[k] = LowestPatch(points, frames_.camera(), pose.rotation.conjugate() * up_world);
+      if (!found[k]) return;
+      found[k]->keyframe = k;
+      found[k]->height_m += up_world.dot(pose.translation_m);
+      found[k]->num_points *= points.step_px * points.step_px;
+    });
+    std::vector<FloorPatch> patches;
+    for (const std::optional<FloorPatch>& patch : found) {
+      if (patch) patches.push_back(*patch);
+    }
+    return patches;
+  }
+
   [[nodiscard]] GroundPoints ReadPoints(std::size_t k) const {
     const Result<Frame> frame = frames_.ReadDepth(keyframes_[k].frame);
     if (!frame.ok()) return {};

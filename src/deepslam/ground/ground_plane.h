@@ -3,7 +3,8 @@
 // and object segmentation).
 //
 // The ground is the lowest large plane within the permissible orientations: a table top has floor
-// points below it somewhere in the capture, the floor has nothing substantial below it. After long
+// points below it somewhere in the capture, the floor has nothing substantial below it. Where no
+// keyframe shows enough of it, small patches of all of them tell (floor_patches.h). After long
 // parts without floor it is looked for as far as tracking may have drifted (reidentify.h).
 //
 // Parts that tracking did not measure against each other are searched each for themselves. Cameras
@@ -53,6 +54,9 @@ struct GroundOptions {
   // The same of its distance: calibration of depth at 1.5 m.
   static constexpr double kFloorDistance_m = 0.004;
 };
+
+// A camera in a hand is higher above the floor: lower ones are on a robot, or above a table top.
+inline constexpr double kLowCameraM = 0.9;
 
 void Describe(OptionsVisitor& visitor, GroundOptions& options);
 

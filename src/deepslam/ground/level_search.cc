@@ -23,28 +23,6 @@ constexpr double kMaxShareBelow = 0.15;
 // Of long paths an even share of the sightings are directions to vote on; all vote.
 constexpr std::size_t kMostSeeds = 4000;
 
-// The direction most plane area agrees on: floor, table tops and shelves all vote for it.
-std::optional<Eigen::Vector3d> VerticalDirection(std::span<const PlaneSighting> sightings) {
-  std::optional<Eigen::Vector3d> best;
-  double best_votes = 0;
-  const std::size_t step = (sightings.size() + kMostSeeds - 1) / kMostSeeds;
-  for (std::size_t n = 0; n < sightings.size(); n += step) {
-    const PlaneSighting& seed = sightings[n];
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double votes = 0;
-    for (const PlaneSighting& other : sightings) {
-      if (seed.plane_world.normal.dot(other.plane_world.normal) < kSameDirectionCosine) continue;
-      sum += other.share * other.plane_world.normal;
-      votes += other.share;
-    }
-    if (votes > best_votes) {
-      best_votes = votes;
-      best = sum.normalized();
-    }
-  }
-  return best;
-}
-
 struct Level {
   double height_m = 0;  // along the vertical direction, tracking world
   std::vector<std::size_t> members;
@@ -149,10 +127,33 @@ bool PermissibleHeight(const Level& level,
   return median >= options.min_height_m && median <= options.max_height_m;
 }
 
+}  // namespace
+
+std::optional<Eigen::Vector3d> VerticalDirection(std::span<const PlaneSighting> sightings) {
+  std::optional<Eigen::Vector3d> best;
+  double best_votes = 0;
+  const std::size_t step = (sightings.size() + kMostSeeds - 1) / kMostSeeds;
+  for (std::size_t n = 0; n < sightings.size(); n += step) {
+    const PlaneSighting& seed = sightings[n];
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double votes = 0;
+    for (const PlaneSighting& other : sightings) {
+      if (seed.plane_world.normal.dot(other.plane_world.normal) < kSameDirectionCosine) continue;
+      sum += other.share * other.plane_world.normal;
+      votes += other.share;
+    }
+    if (votes > best_votes) {
+      best_votes = votes;
+      best = sum.normalized();
+    }
+  }
+  return best;
+}
+
 double ShareBelow(std::span<const KeyframeSample> samples,
-                  const Eigen::Vector3d& up,
+                  const Eigen::Vector3d& up_world,
                   double height_m) {
-  const Eigen::Vector3f direction = up.cast<float>();
+  const Eigen::Vector3f direction = up_world.cast<float>();
   const float limit = static_cast<float>(height_m);
   std::size_t below = 0;
   std::size_t all = 0;
@@ -163,8 +164,6 @@ double ShareBelow(std::span<const KeyframeSample> samples,
   }
   return all > 0 ? static_cast<double>(below) / static_cast<double>(all) : 0;
 }
-
-}  // namespace
 
 std::optional<std::size_t> FindGroundSighting(std::span<const PlaneSighting> sightings,
                                               std::span<const KeyframeSample> samples,

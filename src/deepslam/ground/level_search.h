@@ -25,6 +25,16 @@ struct KeyframeSample {
   std::vector<Eigen::Vector3f> points_world;  // a few hundred, evenly over the image
 };
 
+// The direction most plane area agrees on, tracking world: floor, table tops and shelves all vote
+// for it. Nothing without sightings.
+[[nodiscard]] std::optional<Eigen::Vector3d> VerticalDirection(
+    std::span<const PlaneSighting> sightings);
+
+// Of all points, those lower than this along `up_world`.
+[[nodiscard]] double ShareBelow(std::span<const KeyframeSample> samples,
+                                const Eigen::Vector3d& up_world,
+                                double height_m);
+
 // Index of the sighting to start from: the largest one of the lowest level. Nothing when no plane
 // can be the ground.
 [[nodiscard]] std::optional<std::size_t> FindGroundSighting(
