@@ -120,7 +120,8 @@ Found Find(const std::vector<Cuboid>& world,
            const std::vector<Pose3>& poses,
            const std::vector<Label>& labels,
            Evidence evidence,
-           const InstanceOptions& options = {}) {
+           const InstanceOptions& options = {},
+           const ClassTable& classes = Classes()) {
   const SampledWorld sampled = Sample(world);
   Found found{SurfaceElements(sampled.points, sampled.normals, kVoxelM), {}};
   const std::vector<char> is_structure(found.elements.size(), 0);
@@ -138,8 +139,7 @@ Found Find(const std::vector<Cuboid>& world,
              superpoints.count(),
              votes);
   }
-  found.instances =
-      FindInstances(found.elements, superpoints, pairs, votes, {}, Classes(), options);
+  found.instances = FindInstances(found.elements, superpoints, pairs, votes, {}, classes, options);
   return found;
 }
 
@@ -317,6 +317,61 @@ TEST(FindInstances, ATopOnLegsIsATableThoughNobodyNamesIt) {
       << "legs too thin for the surface";
   EXPECT_THAT(NamesOverFloor(OnLegs(1.2, 0.7, 0.5), 3), testing::ElementsAre("furniture"))
       << "no table is as small";
+}
+
+// The side of a cuboid that faces along x alone, as of a row of things along a wall.
+void AddFront(const Cuboid& box, SampledWorld& sampled) { SampleSide({}, box, 0, 1, sampled); }
+
+TEST(FindInstances, AFrontBeforeAWallIsAsDeepAsTheWallLets) {
+  // A wardrobe of which the front was seen, and the wall at its sides.
+  SampledWorld sampled;
+  AddFront({0, {0, 0, 0}, {0.6, 1, 2}}, sampled);
+  const std::size_t num_of_front = sampled.points.size();
+  AddFront({1, {-0.1, -1, 0}, {0, -0.1, 2.4}}, sampled);
+  AddFront({1, {-0.1, 1.1, 0}, {0, 2, 2.4}}, sampled);
+  const SurfaceElements elements(sampled.points, sampled.normals, kVoxelM);
+  std::vector<char> is_structure(elements.size());
+  std::ranges::transform(elements.points(), is_structure.begin(), [](const Eigen::Vector3f& p) {
+    return p.x() < 0.1F ? 1 : 0;
+  });
+  const std::vector<ElementPair> pairs = elements.PairsWithin(1.9 * kVoxelM);
+  const Superpoints superpoints = MakeSuperpoints(elements, is_structure, pairs, {});
+  LayoutWall wall;  // along y, at x = 0
+  wall.from_m = {0, 2};
+  wall.to_m = {0, -1};
+  wall.top_m = 2.4;
+  const auto find = [&](std::span<const LayoutWall> walls) {
+    return FindInstances(elements, superpoints, pairs, {}, walls, Classes(), {}).instances;
+  };
+  ASSERT_GT(num_of_front, 100U);
+  const std::vector<Instance> before_wall = find(std::vector{wall});
+  ASSERT_THAT(before_wall, SizeIs(1));
+  EXPECT_THAT(before_wall[0].rejection, IsEmpty());
+  EXPECT_NEAR(before_wall[0].box_level.short_side_m(), 0.6, 0.05);
+  EXPECT_THAT(find({})[0].rejection, HasSubstr("deep")) << "a leaf or a screen";
+}
+
+TEST(FindInstances, APedestalIsOfItsBasin) {
+  const std::vector<Cuboid> world = {{0, {-0.3, -0.25, 0.65}, {0.3, 0.25, 0.85}},
+                                     {1, {-0.1, -0.1, 0}, {0.1, 0.1, 0.6}}};
+  ClassTable classes = Classes();
+  classes.classes.push_back({"sink", {"sink"}, {}, 0.3, 1.5, 0.1, 1.2, {}, {}});
+  const std::vector<Pose3> poses = Orbit(kMiddle, 2.4, 1.5, 0, 40, 9);
+  const std::vector<Instance> mapped =
+      Mapped(Find(world, poses, {{0, "sink"}}, Evidence::kMasks, {}, classes));
+  ASSERT_THAT(mapped, SizeIs(1));
+  EXPECT_EQ(mapped[0].class_name, "sink");
+  EXPECT_LT(mapped[0].box_level.bottom_m, 0.05);
+  EXPECT_NEAR(mapped[0].box_level.top_m, 0.85, 0.03);
+}
+
+TEST(FindInstances, WhatHidesItsFootReachesDownToTheFloor) {
+  // Of a bed before which things lie nothing below its mattress was seen.
+  const std::vector<Cuboid> world = {{0, {-1, -0.7, 0.3}, {1, 0.7, 0.5}}};
+  const std::vector<Pose3> poses = Orbit(kMiddle, 3, 1.6, 0, 40, 9);
+  const std::vector<Instance> mapped = Mapped(Find(world, poses, {{0, "bed"}}, Evidence::kMasks));
+  ASSERT_THAT(mapped, SizeIs(1));
+  EXPECT_EQ(mapped[0].box_level.bottom_m, 0);
 }
 
 TEST(FindInstances, AShortThingIsNoBedHoweverHigh) {

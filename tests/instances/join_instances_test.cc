@@ -28,6 +28,10 @@ TEST(WholesOf, PartsOfOneClassInOnePlaceAreOneThing) {
   EXPECT_THAT(WholesOf(std::vector{Thing("toilet", true, {0, 0, 0, 0.5}, {0.4, 0.7}),
                                    Thing("toilet", true, {0, 0.1, 0.1, 0.6}, {0.4, 0.5})}),
               ElementsAre(0, 0));
+  // Nobody names them, and the one stands in the other.
+  EXPECT_THAT(WholesOf(std::vector{Thing("cabinet", false, {0, 0, 0, 0.8}, {1.2, 0.6}),
+                                   Thing("furniture", false, {0.3, 0, 0.1, 0.6}, {0.4, 0.5})}),
+              ElementsAre(0, 0));
   // Two chairs side by side, and a chair under a table.
   EXPECT_THAT(WholesOf(std::vector{Thing("chair", true, {0, 0, 0, 0.9}, {0.5, 0.5}),
                                    Thing("chair", true, {0.4, 0, 0, 0.9}, {0.5, 0.5}),
