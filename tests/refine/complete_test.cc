@@ -302,6 +302,47 @@ TEST_F(CompleteModelTest, ASideThatNobodySawIsLikeTheOtherOne) {
   EXPECT_TRUE(At(*completed, 0, -28, 4));
 }
 
+// A design whose top is a frame; the thing has a whole top, and a crate that is none of it on its
+// middle.
+TEST_F(CompleteModelTest, WhatStandsOnATopMakesNoHoleInIt) {
+  constexpr double kTopZ = 14;
+  const auto is_middle = [](double x, double y) { return std::abs(x) < 5 && std::abs(y) < 5; };
+  const Shape top = [](double x, double y, double z) {
+    return std::abs(x) < 31 && std::abs(y) < 22 && z > 10 && z < kTopZ;
+  };
+  const Shape frame = [&](double x, double y, double z) {
+    return top(x, y, z) && !is_middle(x, y);
+  };
+  const Shape loaded = [&](double x, double y, double z) {
+    return top(x, y, z) || (is_middle(x, y) && z >= kTopZ && z < 22);
+  };
+  const shape::ShapeModel seen(testing_support::FillGrid(loaded));
+  std::vector<testing_support::Staged> staged;
+  for (int n = 0; n < 8; ++n)
+    staged.push_back(testing_support::LookAt(seen, 2 * std::numbers::pi * n / 8, 0.6));
+  std::vector<PlacedView> placed;
+  for (auto& [view, camera_from_grid] : staged) {
+    const Similarity3 grid_from_camera = camera_from_grid.Inverse();
+    for (int v = 0; v < view.mask_crop.height(); ++v) {
+      for (int u = 0; u < view.mask_crop.width(); ++u) {
+        const double depth_m = view.depth_crop_m(u, v);
+        const Eigen::Vector3d p = grid_from_camera * (depth_m * view.camera.Ray(u, v));
+        if (p.z() > (kTopZ + 1) * kVoxelSize) view.mask_crop(u, v) = 0;
+      }
+    }
+    placed.push_back({&view, camera_from_grid});
+  }
+  const auto completed =
+      CompleteModel(shape::ShapeModel(testing_support::FillGrid(frame)), placed, options_);
+  ASSERT_TRUE(completed);
+  const std::optional<VoxelBox> box = OccupiedBox(completed->grid);
+  const Eigen::Array3i middle = (box->low + box->high) / 2;
+  bool is_filled = false;
+  for (int k = box->low.z(); k <= box->high.z(); ++k)
+    is_filled |= completed->grid.At(middle.x(), middle.y(), k);
+  EXPECT_TRUE(is_filled);
+}
+
 TEST_F(CompleteModelTest, NothingWithoutModelOrViews) {
   const Shape nothing = [](double, double, double) { return false; };
   EXPECT_FALSE(Complete(nothing, OnLegs, 4));
