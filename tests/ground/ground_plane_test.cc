@@ -366,12 +366,13 @@ TEST(EstimateGround, SaysSoWhereATableTopIsAllThereIs) {
 TEST(EstimateGround, SmallPatchesOfFloorTellThatATableTopIsNone) {
   // The table ends before the wall: a strip of floor is seen beyond its edge.
   BoxWorld world;
-  world.boxes = {{{-1.4, -2.0, 0.70}, {1.2, 2.0, 0.74}}};
+  world.boxes = {{{-1.4, -2.0, 0.70}, {0.62, 2.0, 0.74}}};
   std::vector<Pose3> poses;
   for (int k = 0; k < 10; ++k)
     poses.push_back(LookAt({-0.6, 0.04 * k - 0.2, 1.5}, {1.3, 0.02 * k, 0.74}));
   const TrueCapture capture = Capture(world, poses);
   ExpectFloor(capture, Estimate(capture), 0.04, 1.0);
+  EXPECT_THAT(WarningsOf(capture), testing::ElementsAre(testing::HasSubstr("little floor")));
 }
 
 // The second capture begins at the last pose of the first, as tracking has it: lost there, and

@@ -19,8 +19,9 @@ struct CoarseOptions {
   // Surfaces of one thing that lie nearer than this to each other, back to back, blur: walls are
   // thicker.
   static constexpr double kTruncation_m = 0.06;
-  // A Kinect's deviation is 4 cm here (depth_noise.h).
-  static constexpr double kMaxDepth_m = 5.0;
+  // A Kinect's deviation is a voxel here, 3 cm (depth_noise.h): what is farther falls apart into
+  // layers.
+  static constexpr double kMaxDepth_m = 4.3;
   // Rays are followed this far: one metre past max depth, since free space needs no precise end.
   static constexpr double kSpaceRange_m = 6.0;
   static constexpr int kMinComponentFaces =

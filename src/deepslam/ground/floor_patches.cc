@@ -50,9 +50,9 @@ std::optional<FloorPatch> LowestPatch(const GroundPoints& points,
       continue;
     }
     const auto middle_m = static_cast<double>(heights_m[begin + (end - begin) / 2]);
-    const auto refined = RefinePlane(points, camera, {up_camera, -middle_m});
-    if (refined && refined->area_m2 >= GroundOptions::kMinArea_m2)
-      return FloorPatch{0, -middle_m, middle_m, refined->area_m2, refined->num_inliers};
+    const double area_m2 = CoveredAreaM2(points, camera, {up_camera, -middle_m});
+    if (area_m2 >= GroundOptions::kMinArea_m2)
+      return FloorPatch{0, -middle_m, middle_m, area_m2, static_cast<int>(end - begin)};
     begin = end;
   }
   return std::nullopt;

@@ -139,6 +139,10 @@ class GroundSearch {
     const std::vector<FloorPatch> patches = FindPatches(*up_world);
     const auto level = FindLowestLevel(patches, samples_, *up_world, options_);
     if (!level) return std::nullopt;
+    progress_.Warn(fmt::format(
+        "little floor is in view: {} keyframes with small patches of it tell the ground. Where "
+        "things stand too high or too low, name it: `ground` in overrides.yaml",
+        level->patches.size()));
     Ground ground;
     ground.plane_world = Plane{*up_world, -level->height_m};
     for (const std::size_t n : level->patches) {

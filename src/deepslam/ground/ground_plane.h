@@ -61,8 +61,8 @@ inline constexpr double kLowCameraM = 0.9;
 void Describe(OptionsVisitor& visitor, GroundOptions& options);
 
 // Stage `ground`. A capture in which no ground is seen gives a Ground with no plane, which is not
-// an error. Warns where the ground is so near below the camera that it may be a table top. Errors:
-// Interrupted.
+// an error. Warns where the ground is so near below the camera that it may be a table top, and
+// where small patches tell it. Errors: Interrupted.
 [[nodiscard]] Result<Ground> EstimateGround(const FrameSource& frames,
                                             const Odometry& odometry,
                                             const GroundOptions& options,

@@ -80,25 +80,6 @@ Eigen::Matrix3d Information(const FitSystem& system, double points_per_error) {
   return 0.5 * (information + information.transpose());
 }
 
-double CoveredArea(const GroundPoints& points, const PinholeCamera& camera, const Plane& plane) {
-  const Eigen::Vector3f normal = plane.normal.cast<float>();
-  double area = 0;
-  for (const GroundPoint& point : points.points) {
-    if (!OnPlane(point,
-                 normal,
-                 static_cast<float>(plane.d_m),
-                 static_cast<float>(kFlatnessM),
-                 static_cast<float>(kReidentifyCosine))) {
-      continue;
-    }
-    const double z = static_cast<double>(point.p_camera.z());
-    const double facing = -static_cast<double>(normal.dot(point.p_camera.normalized()));
-    area +=
-        z * z * points.step_px * points.step_px / (camera.fx * camera.fy) / std::max(facing, 0.1);
-  }
-  return area;
-}
-
 // The point whose normal makes the plane with the most support among every score_step-th of the
 // points left.
 std::optional<Plane> DrawPlane(std::span<const GroundPoint> left,
@@ -131,6 +112,25 @@ std::optional<Plane> DrawPlane(std::span<const GroundPoint> left,
 }
 
 }  // namespace
+
+double CoveredAreaM2(const GroundPoints& points, const PinholeCamera& camera, const Plane& plane) {
+  const Eigen::Vector3f normal = plane.normal.cast<float>();
+  double area_m2 = 0;
+  for (const GroundPoint& point : points.points) {
+    if (!OnPlane(point,
+                 normal,
+                 static_cast<float>(plane.d_m),
+                 static_cast<float>(kFlatnessM),
+                 static_cast<float>(kReidentifyCosine))) {
+      continue;
+    }
+    const double z = static_cast<double>(point.p_camera.z());
+    const double facing = -static_cast<double>(normal.dot(point.p_camera.normalized()));
+    area_m2 +=
+        z * z * points.step_px * points.step_px / (camera.fx * camera.fy) / std::max(facing, 0.1);
+  }
+  return area_m2;
+}
 
 Plane Perturbed(const Plane& plane, const Eigen::Vector3d& tangent_and_distance) {
   const Eigen::Vector3d normal =
@@ -208,7 +208,7 @@ std::optional<PlaneRefinement> RefinePlane(const GroundPoints& points,
   result.num_inliers = system.num_inliers;
   result.inlier_share =
       system.num_inliers / std::max(1.0, static_cast<double>(points.points.size()));
-  result.area_m2 = CoveredArea(points, camera, plane);
+  result.area_m2 = CoveredAreaM2(points, camera, plane);
   return result;
 }
 

@@ -36,6 +36,11 @@ struct PlaneCandidate {
                                                      QuarterTurn upright,
                                                      Random& random);
 
+// Of the plane, by the points that lie on it.
+[[nodiscard]] double CoveredAreaM2(const GroundPoints& points,
+                                   const PinholeCamera& camera,
+                                   const Plane& plane_camera);
+
 struct PlaneRefinement {
   Plane plane_camera;
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  // as GroundObservation

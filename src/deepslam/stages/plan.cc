@@ -29,8 +29,8 @@ struct PlannedStage {
 
 constexpr std::array<PlannedStage, 15> kChain = {{
     {"track", 20, "", "track track.covisible track.join", kFrames, RunTrack},
-    {"ground", 7, "track", "ground", kFrames | kGroundHint, RunGround},
-    {"layout", 10, "track ground", "layout layout.surface", kFrames, RunLayout},
+    {"ground", 8, "track", "ground", kFrames | kGroundHint, RunGround},
+    {"layout", 11, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
      7,
      "track ground",
