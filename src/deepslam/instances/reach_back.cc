@@ -19,7 +19,8 @@ constexpr double kMostDepthM = 0.85;  // and what stands a little before its wal
 const double kAlongWall = std::cos(12 * kRadPerDeg);
 constexpr float kFacing = 0.8F;      // of a front's normal to the wall's: within 37 degrees
 constexpr double kWallAboveM = 0.1;  // of the wall above the thing: else the two may be one
-constexpr double kScatterM = 0.08;   // surfaces of the box and the wall scatter by as much
+constexpr double kScatterM =
+    0.08;  // two voxels: surfaces of the box and the wall scatter by as much
 // Of the front, seen between the two: what stands out of the room's corners or lies on top.
 constexpr double kMaxSeenShare = 0.05;
 
