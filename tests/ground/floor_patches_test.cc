@@ -74,7 +74,7 @@ std::vector<FloorPatch> Patches(int num_of_floor, double camera_m = 1.5) {
   for (int k = 0; k < 6; ++k) {
     const double height_m = k < num_of_floor ? 0.02 * (k % 3) : 0.45;
     patches.push_back(
-        {static_cast<std::size_t>(k), camera_m - height_m, height_m - camera_m, 0.08, 200});
+        {static_cast<std::size_t>(k), height_m - camera_m, camera_m - height_m, 0.08, 200});
   }
   return patches;
 }

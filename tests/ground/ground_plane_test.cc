@@ -352,6 +352,11 @@ std::vector<std::string> WarningsOf(const TrueCapture& capture) {
   return warnings.texts;
 }
 
+TEST_P(HeldCamera, NothingIsSaidOfGroundsThatWereNotTaken) {
+  EXPECT_THAT(WarningsOf(Capture(BoxWorld::Furnished(), LookAbout(0.3, RollRad(), 200))),
+              testing::IsEmpty());
+}
+
 TEST(EstimateGround, SaysSoWhereATableTopIsAllThereIs) {
   const TableRoom room(0.74);
   std::vector<Pose3> poses;

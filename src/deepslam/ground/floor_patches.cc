@@ -3,24 +3,29 @@
 #include <algorithm>
 #include <set>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/ground/plane_fit.h"
 
 namespace deepslam::ground {
 namespace {
 
-constexpr float kFacesUp = 0.94F;      // cosine, 20 degrees: of a point's normal, as for a plane
 constexpr float kPatchDepthM = 0.08F;  // noise, and a tilt of the vertical by 3 degrees
-constexpr std::size_t kMinPatchPoints = 30;    // for a plane, as in plane_fit.cc
+constexpr auto kMinPatchPoints = static_cast<std::size_t>(kMinPlanePoints);
 constexpr std::size_t kMinPatchKeyframes = 2;  // one may have seen stray depth
 constexpr double kMinPatchesM2 = 0.15;         // of all keyframes together: three of the smallest
 constexpr double kMaxStrayShare = 0.02;  // of all points, below the ground: depth of mirror images
+
+// Of the observations: the direction is that of table tops, the height that of the patches.
+constexpr double kPatchAngleRad = 1.0 * kRadPerDeg;
+constexpr double kPatchDistanceM = 0.03;  // drift between the keyframes that see them
 
 // Heights above the camera of the points that face up, ascending.
 std::vector<float> HeightsFacingUp(const GroundPoints& points, const Eigen::Vector3f& up) {
   std::vector<float> heights_m;
   for (const GroundPoint& point : points.points) {
-    if (point.normal_camera.dot(up) >= kFacesUp) heights_m.push_back(point.p_camera.dot(up));
+    if (point.normal_camera.dot(up) >= static_cast<float>(kReidentifyCosine))
+      heights_m.push_back(point.p_camera.dot(up));
   }
   std::ranges::sort(heights_m);
   return heights_m;
@@ -52,7 +57,7 @@ std::optional<FloorPatch> LowestPatch(const GroundPoints& points,
     const auto middle_m = static_cast<double>(heights_m[begin + (end - begin) / 2]);
     const double area_m2 = CoveredAreaM2(points, camera, {up_camera, -middle_m});
     if (area_m2 >= GroundOptions::kMinArea_m2)
-      return FloorPatch{0, -middle_m, middle_m, area_m2, static_cast<int>(end - begin)};
+      return FloorPatch{0, 0, -middle_m, area_m2, static_cast<int>(end - begin)};
     begin = end;
   }
   return std::nullopt;
@@ -80,12 +85,30 @@ std::optional<PatchLevel> FindLowestLevel(std::span<const FloorPatch> patches,
     level.height_m = Median(heights_m);
     const double below_camera_m = Median(below_cameras_m);
     const double limit_m = level.height_m - GroundOptions::kLevelSeparation_m;
-    if (below_camera_m < kLowCameraM || below_camera_m > options.max_height_m ||
+    if (below_camera_m < std::max(kLowCameraM, options.min_height_m) ||
+        below_camera_m > options.max_height_m ||
         ShareBelow(samples, up_world, limit_m) > kMaxStrayShare)
       return std::nullopt;
     return level;
   }
   return std::nullopt;
+}
+
+Ground GroundOf(const PatchLevel& level,
+                std::span<const FloorPatch> patches,
+                std::span<const TrackedFrame> keyframes,
+                const Eigen::Vector3d& up_world) {
+  Ground ground;
+  ground.plane_world = Plane{up_world, -level.height_m};
+  for (const std::size_t n : level.patches) {
+    const TrackedFrame& keyframe = keyframes[patches[n].keyframe];
+    const Plane seen_world{up_world, -patches[n].height_m};
+    ground.observations.push_back({keyframe.frame,
+                                   Transformed(keyframe.world_from_camera.Inverse(), seen_world),
+                                   InformationOf(kPatchAngleRad, kPatchDistanceM),
+                                   patches[n].num_points});
+  }
+  return ground;
 }
 
 }  // namespace deepslam::ground

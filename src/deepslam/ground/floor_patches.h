@@ -14,19 +14,22 @@
 #include "deepslam/geometry/camera.h"
 #include "deepslam/ground/ground_points.h"
 #include "deepslam/ground/level_search.h"
+#include "deepslam/scene/ground.h"
+#include "deepslam/scene/trajectory.h"
 
 namespace deepslam::ground {
 
 struct FloorPatch {
   std::size_t keyframe = 0;   // position in the list of keyframes
-  double below_camera_m = 0;  // along the vertical
   double height_m = 0;        // along the vertical, tracking world
+  double below_camera_m = 0;  // along the vertical
   double area_m2 = 0;
   int num_points = 0;
 };
 
-// The lowest surface of a keyframe's points that faces up and covers a square of 22 cm: all but its
-// keyframe and its height in the world. Nothing where there is none.
+// The lowest surface of a keyframe's points that faces up and covers a square of 22 cm; which
+// keyframe it is of, and its height in the world, are the caller's to set. Nothing where there is
+// none.
 [[nodiscard]] std::optional<FloorPatch> LowestPatch(const GroundPoints& points,
                                                     const PinholeCamera& camera,
                                                     const Eigen::Vector3d& up_camera);
@@ -43,5 +46,11 @@ struct PatchLevel {
                                                         std::span<const KeyframeSample> samples,
                                                         const Eigen::Vector3d& up_world,
                                                         const GroundOptions& options);
+
+// A level plane at that height, observed by the keyframes of its patches.
+[[nodiscard]] Ground GroundOf(const PatchLevel& level,
+                              std::span<const FloorPatch> patches,
+                              std::span<const TrackedFrame> keyframes,
+                              const Eigen::Vector3d& up_world);
 
 }  // namespace deepslam::ground

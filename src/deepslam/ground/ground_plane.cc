@@ -54,19 +54,9 @@ constexpr std::array kTurns = {QuarterTurn::kNone,
                                QuarterTurn::kClockwise,
                                QuarterTurn::kHalf,
                                QuarterTurn::kAnticlockwise};  // behind `auto`
-// Of a ground told by patches: its direction is that of table tops, its height that of the patches.
-constexpr double kPatchAngleRad = 1.0 * kRadPerDeg;
-constexpr double kPatchDistanceM = 0.03;  // drift between the keyframes that see them
 
 bool HasPose(const TrackedFrame& frame) {
   return IsAligned(frame) || frame.keyframe == frame.frame;
-}
-
-Eigen::Matrix3d InformationOf(double angle_rad, double distance_m) {
-  return Eigen::Vector3d(1 / (angle_rad * angle_rad),
-                         1 / (angle_rad * angle_rad),
-                         1 / (distance_m * distance_m))
-      .asDiagonal();
 }
 
 Eigen::Matrix3d WithAddedError(const Eigen::Matrix3d& information,
@@ -90,6 +80,11 @@ struct Done {
   std::size_t total = 0;
 };
 
+struct FoundGround {
+  Ground ground;
+  bool is_of_patches = false;  // small ones told it
+};
+
 // In keyframes that tracking registered to each other, by pictures turned upright so.
 class GroundSearch {
  public:
@@ -109,15 +104,17 @@ class GroundSearch {
                                 kLeastSamplePoints,
                                 kMostSamplePoints)) {}
 
-  Result<Ground> Run() {
+  Result<FoundGround> Run() {
     if (!FindSightings()) return Interrupted();
     const auto start = FindGroundSighting(sightings_, samples_, options_);
     // What is so near below the camera may be a table top.
     if (!start || sightings_[*start].plane_camera.d_m < kLowCameraM) {
-      if (std::optional<Ground> found = GroundOfPatches()) return *std::move(found);
+      Result<std::optional<Ground>> found = GroundOfPatches();
+      if (!found.ok()) return found.error();
+      if (*found) return FoundGround{**std::move(found), true};
     }
     Ground ground;
-    if (!start) return ground;
+    if (!start) return FoundGround{};
     observations_.resize(keyframes_.size());
     const PlaneSighting& sighting = sightings_[*start];
     const Plane plane_camera = sighting.plane_camera;
@@ -129,50 +126,48 @@ class GroundSearch {
       if (observation) ground.observations.push_back(*observation);
     }
     if (!ground.observations.empty()) ground.plane_world = CommonPlane(sighting.plane_world);
-    return ground;
+    return FoundGround{std::move(ground), false};
   }
 
  private:
-  [[nodiscard]] std::optional<Ground> GroundOfPatches() const {
+  Result<std::optional<Ground>> GroundOfPatches() const {
     const std::optional<Eigen::Vector3d> up_world = VerticalDirection(sightings_);
-    if (!up_world) return std::nullopt;
-    const std::vector<FloorPatch> patches = FindPatches(*up_world);
+    if (!up_world) return std::optional<Ground>();
+    const std::optional<std::vector<FloorPatch>> found = FindPatches(*up_world);
+    if (!found) return Interrupted();
+    const std::vector<FloorPatch>& patches = *found;
     const auto level = FindLowestLevel(patches, samples_, *up_world, options_);
-    if (!level) return std::nullopt;
-    progress_.Warn(fmt::format(
-        "little floor is in view: {} keyframes with small patches of it tell the ground. Where "
-        "things stand too high or too low, name it: `ground` in overrides.yaml",
-        level->patches.size()));
-    Ground ground;
-    ground.plane_world = Plane{*up_world, -level->height_m};
-    for (const std::size_t n : level->patches) {
-      const TrackedFrame& keyframe = keyframes_[patches[n].keyframe];
-      const Plane seen_world{*up_world, -patches[n].height_m};
-      ground.observations.push_back({keyframe.frame,
-                                     Transformed(keyframe.world_from_camera.Inverse(), seen_world),
-                                     InformationOf(kPatchAngleRad, kPatchDistanceM),
-                                     patches[n].num_points});
-    }
-    return ground;
+    if (!level) return std::optional<Ground>();
+    return std::optional(GroundOf(*level, patches, keyframes_, *up_world));
   }
 
-  // The lowest patch of each keyframe that has one.
-  [[nodiscard]] std::vector<FloorPatch> FindPatches(const Eigen::Vector3d& up_world) const {
-    std::vector<std::optional<FloorPatch>> found(keyframes_.size());
-    ParallelFor(keyframes_.size(), [&](std::size_t k) {
-      const Pose3& pose = keyframes_[k].world_from_camera;
-      const GroundPoints points = ReadPoints(k);
-      found[k] = LowestPatch(points, frames_.camera(), pose.rotation.conjugate() * up_world);
-      if (!found[k]) return;
-      found[k]->keyframe = k;
-      found[k]->height_m += up_world.dot(pose.translation_m);
-      found[k]->num_points *= points.step_px * points.step_px;
-    });
+  // The lowest patch of each keyframe that has one; nothing when interrupted.
+  [[nodiscard]] std::optional<std::vector<FloorPatch>> FindPatches(
+      const Eigen::Vector3d& up_world) const {
     std::vector<FloorPatch> patches;
-    for (const std::optional<FloorPatch>& patch : found) {
-      if (patch) patches.push_back(*patch);
+    for (std::size_t begin = 0; begin < keyframes_.size(); begin += kBatchKeyframes) {
+      if (progress_.StopRequested()) return std::nullopt;
+      std::vector<std::optional<FloorPatch>> batch(
+          std::min(kBatchKeyframes, keyframes_.size() - begin));
+      ParallelFor(batch.size(), [&](std::size_t n) { batch[n] = PatchOf(begin + n, up_world); });
+      for (const std::optional<FloorPatch>& patch : batch) {
+        if (patch) patches.push_back(*patch);
+      }
     }
     return patches;
+  }
+
+  [[nodiscard]] std::optional<FloorPatch> PatchOf(std::size_t k,
+                                                  const Eigen::Vector3d& up_world) const {
+    const Pose3& pose = keyframes_[k].world_from_camera;
+    const GroundPoints points = ReadPoints(k);
+    std::optional<FloorPatch> patch =
+        LowestPatch(points, frames_.camera(), pose.rotation.conjugate() * up_world);
+    if (!patch) return patch;
+    patch->keyframe = k;
+    patch->height_m = up_world.dot(pose.translation_m) - patch->below_camera_m;
+    patch->num_points *= points.step_px * points.step_px;
+    return patch;
   }
 
   [[nodiscard]] GroundPoints ReadPoints(std::size_t k) const {
@@ -393,33 +388,41 @@ std::optional<QuarterTurn> GivenTurn(const GroundOptions& options) {
 
 // Of one part: with pictures turned by `habit`, and where that does not convince, as what they show
 // asks for; `habit` is what it was in the end.
-Result<Ground> SearchPart(const FrameSource& frames,
-                          const Part& part,
-                          const GroundOptions& options,
-                          const Done& done,
-                          Progress& progress,
-                          QuarterTurn& habit) {
+Result<FoundGround> SearchPart(const FrameSource& frames,
+                               const Part& part,
+                               const GroundOptions& options,
+                               const Done& done,
+                               Progress& progress,
+                               QuarterTurn& habit) {
   const auto search = [&](QuarterTurn upright) {
     return GroundSearch(frames, part, upright, options, done, progress).Run();
   };
   const QuarterTurn as_is = habit;
-  Result<Ground> found = search(as_is);
+  Result<FoundGround> found = search(as_is);
   if (!found.ok() || GivenTurn(options)) return found;
-  const Holding before = MeasureHolding(*found, part, as_is);
+  const Holding before = MeasureHolding(found->ground, part, as_is);
   if (Convinces(before)) return found;
-  if (!IsPossible(before)) found = Ground{};
+  if (!IsPossible(before)) found = FoundGround{};
   double most = 0;
   for (const QuarterTurn upright : kTurns) {
     if (upright == as_is) continue;
-    Result<Ground> turned = search(upright);
+    Result<FoundGround> turned = search(upright);
     if (!turned.ok()) return turned;
-    const Holding holding = MeasureHolding(*turned, part, upright);
+    const Holding holding = MeasureHolding(turned->ground, part, upright);
     if (!Outweighs(holding, upright, before) || Evidence(holding) <= most) continue;
     most = Evidence(holding);
     habit = upright;
     found = std::move(turned);
   }
   return found;
+}
+
+void WarnOfPatches(const Ground& ground, Progress& progress) {
+  progress.Warn(
+      fmt::format("little floor is in view: {} keyframes with small patches of it tell the ground. "
+                  "Where things "
+                  "stand too high or too low, name it: `ground` in overrides.yaml",
+                  ground.observations.size()));
 }
 
 // What looks like the floor may be a table top where the floor never came into view.
@@ -453,12 +456,14 @@ Result<Ground> EstimateGround(const FrameSource& frames,
   std::vector<std::optional<Plane>> planes_world;
   QuarterTurn upright = ground.upright.value_or(QuarterTurn::kNone);
   for (const Part& part : parts) {
-    Result<Ground> own = SearchPart(frames, part, options, done, progress, upright);
-    if (!own.ok()) return own.error();
+    Result<FoundGround> found = SearchPart(frames, part, options, done, progress, upright);
+    if (!found.ok()) return found.error();
+    if (found->is_of_patches) WarnOfPatches(found->ground, progress);
+    const Ground& own = found->ground;
     done.before += 2 * part.size();
-    planes_world.push_back(own->plane_world);
+    planes_world.push_back(own.plane_world);
     ground.observations.insert(
-        ground.observations.end(), own->observations.begin(), own->observations.end());
+        ground.observations.end(), own.observations.begin(), own.observations.end());
   }
   std::ranges::sort(ground.observations, {}, &GroundObservation::keyframe);
   if (!planes_world.empty()) ground.plane_world = planes_world.front();

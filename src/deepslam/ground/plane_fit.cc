@@ -20,7 +20,6 @@ constexpr std::size_t kScoredPoints = 1500;
 constexpr double kFlatnessM = 0.01;
 constexpr double kSearchCosine = 0.9;          // 26 deg: normals of single points are noisy
 constexpr double kReidentifyDistanceM = 0.04;  // error of a plane propagated over one keyframe step
-constexpr double kReidentifyCosine = 0.94;     // 20 deg
 constexpr int kPlaneSteps = 8;  // the gate shrinks from 4 cm by 0.7 each: at 1 cm after four
 
 bool OnPlane(const GroundPoint& point,
@@ -62,7 +61,7 @@ FitSystem BuildFit(std::span<const GroundPoint> points, const Plane& plane, doub
 }
 
 std::optional<Plane> FitStep(const FitSystem& system, const Plane& plane) {
-  if (system.num_inliers < 30) return std::nullopt;
+  if (system.num_inliers < kMinPlanePoints) return std::nullopt;
   const Eigen::Vector3d step = -system.hessian.ldlt().solve(system.gradient);
   if (!step.allFinite() || step.head<2>().norm() > 0.5) return std::nullopt;
   return Perturbed(plane, step);
@@ -130,6 +129,13 @@ double CoveredAreaM2(const GroundPoints& points, const PinholeCamera& camera, co
         z * z * points.step_px * points.step_px / (camera.fx * camera.fy) / std::max(facing, 0.1);
   }
   return area_m2;
+}
+
+Eigen::Matrix3d InformationOf(double angle_rad, double distance_m) {
+  return Eigen::Vector3d(1 / (angle_rad * angle_rad),
+                         1 / (angle_rad * angle_rad),
+                         1 / (distance_m * distance_m))
+      .asDiagonal();
 }
 
 Plane Perturbed(const Plane& plane, const Eigen::Vector3d& tangent_and_distance) {

@@ -21,6 +21,10 @@ namespace deepslam::ground {
 inline constexpr double kMaxTurnRad = 6 * kRadPerDeg;
 inline constexpr double kMaxShiftM = 0.08;  // m: twice what points may lie off the predicted plane
 
+// Cosine between a plane's normal and those of its points, where it is known: 20 degrees.
+inline constexpr double kReidentifyCosine = 0.94;
+inline constexpr int kMinPlanePoints = 30;  // fewer make no plane
+
 struct PlaneCandidate {
   Plane plane_camera;                                         // normal up
   Eigen::Vector3d centroid_camera = Eigen::Vector3d::Zero();  // of the inliers
@@ -40,6 +44,9 @@ struct PlaneCandidate {
 [[nodiscard]] double CoveredAreaM2(const GroundPoints& points,
                                    const PinholeCamera& camera,
                                    const Plane& plane_camera);
+
+// Of a plane with these standard deviations, as GroundObservation has it.
+[[nodiscard]] Eigen::Matrix3d InformationOf(double angle_rad, double distance_m);
 
 struct PlaneRefinement {
   Plane plane_camera;
