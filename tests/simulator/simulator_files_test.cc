@@ -72,6 +72,15 @@ TEST(WriteSimulatorFiles, FreeAndFixedThings) {
   }
 }
 
+// A link without a mass is none to sdformat, and a model without links is refused.
+TEST(WriteSimulatorFiles, TheFloorAloneIsALinkWithAMass) {
+  Files files;
+  ASSERT_TRUE(WriteInto(files, {{Thing("chair_03", true)}, true, ""}).ok());
+  const std::string& urdf = files.at("scene_fixed.urdf");
+  EXPECT_THAT(urdf, Not(HasSubstr("chair_03")));
+  EXPECT_THAT(urdf, HasSubstr("<mass value="));
+}
+
 TEST(WriteSimulatorFiles, NamesAreWhatTheFormatsTake) {
   Files files;
   ASSERT_TRUE(

@@ -62,9 +62,12 @@ void AddJoint(const NamedThing& named, std::string& text) {
       Origin(named.thing->world_from_thing));
 }
 
+// Links without a mass are none to sdformat, and a scene without walls has no other that is fixed.
 void AddFloor(std::string& text) {
   text += fmt::format(
-      "  <link name=\"endless_floor\">\n    <collision>\n"
+      "  <link name=\"endless_floor\">\n    <inertial>\n      <mass value=\"1\"/>\n"
+      "      <inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/>\n"
+      "    </inertial>\n    <collision>\n"
       "      <origin xyz=\"0 0 {0}\" rpy=\"0 0 0\"/>\n"
       "      <geometry><box size=\"{1} {1} {2}\"/></geometry>\n    </collision>\n"
       "    <contact><lateral_friction value=\"0.7\"/></contact>\n  </link>\n"

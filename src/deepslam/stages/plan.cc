@@ -77,7 +77,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      RunMesh},
     {"fuse", 5, "detect associate loops optimize", "fuse", kFrames, RunFuse},
     {"export",
-     12,
+     13,
      "track ground layout propose select loops optimize mesh fuse",
      "export export.ground export.gltf export.convex",
      kFrames | kClasses | kExportColumns,
