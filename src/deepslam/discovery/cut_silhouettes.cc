@@ -17,7 +17,7 @@ namespace {
 using instances::Instance;
 using instances::Silhouette;
 
-// A thing goes on this far beyond what the surface of the capture holds of it, two voxels of it.
+// A thing goes on this far beyond what the surface of the capture holds of it.
 constexpr double kBeyondSurfaceM = 0.08;
 
 const Instance& ThingOf(const FrameOfThings& seen, const Silhouette& silhouette) {

@@ -15,17 +15,18 @@
 namespace deepslam::fuse {
 
 struct CoarseOptions {
-  double voxel_m = 0.04;
+  double voxel_m = 0.03;
   // Surfaces of one thing that lie nearer than this to each other, back to back, blur: walls are
   // thicker.
   static constexpr double kTruncation_m = 0.06;
-  // A Kinect's deviation is 4 cm here, a voxel (depth_noise.h).
-  static constexpr double kMaxDepth_m = 5.0;
+  // A Kinect's deviation is little more than a voxel here, 3.5 cm (depth_noise.h): what is farther
+  // falls apart into layers.
+  static constexpr double kMaxDepth_m = 4.6;
   // Rays are followed this far: one metre past max depth, since free space needs no precise end.
   static constexpr double kSpaceRange_m = 6.0;
   static constexpr int kMinComponentFaces =
-      20;                         // smaller connected components are noise: 2 dm^2 of surface
-  int max_voxel_blocks = 40'000;  // of 16^3 voxels: 25 x 25 x 8 m of nothing but surface
+      20;                         // smaller connected components are noise: 1 dm^2 of surface
+  int max_voxel_blocks = 40'000;  // of 16^3 voxels: 19 x 19 x 6 m of nothing but surface
 };
 void Describe(OptionsVisitor& visitor, CoarseOptions& options);
 

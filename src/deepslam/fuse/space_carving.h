@@ -16,7 +16,7 @@
 namespace deepslam::fuse {
 
 struct SpaceOptions {
-  double voxel_m = 0.04;
+  double voxel_m = 0.03;
   double range_m = 6.0;        // rays are followed this far from the camera, whatever they measured
   double blind_range_m = 4.0;  // nor is a pixel without depth evidence beyond: the surface may be
   double blind_from_m = 0.6;   // out of the sensor's reach, or nearer than it can measure

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMinShareOver = 0.5;  // of the outline of what rests on something
 // Between what carries and what rests on it: the surface has gaps where things touch, and the top
-// of the one and the foot of the other are told to two voxels or so.
+// of the one and the foot of the other are told to a few centimetres.
 constexpr double kMaxGapBelowM = 0.12;
 // Things stand deeper than a box's top where that is its highest point only.
 constexpr double kMaxSinkM = 0.15;

@@ -23,7 +23,7 @@ constexpr double kMinSharedOutline = 0.5;  // of the smaller outline
 // thinner than a voxel of the surface.
 constexpr double kMaxGapOfNamedM = 0.3;
 constexpr double kFlatM = 0.02;  // boxes are no thinner, so that a board has a volume
-// Legs of tables are no wider than this, of what is seen of them, two voxels of the surface more
+// Legs of tables are no wider than this, of what is seen of them, 8 cm more
 // than the widest that segmentation by frames takes for one (segment/top_carriers.h).
 constexpr double kSlimM = 0.2;
 // Their upper ends hide behind aprons and tops. Chairs that are pushed under a table end lower with

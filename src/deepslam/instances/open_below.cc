@@ -21,14 +21,15 @@ constexpr double kRightAngle_rad = 0.5 * std::numbers::pi;  // from a box's x ax
 constexpr double kMinLongSideM = 0.6;
 constexpr float kLevelNormal = 0.8F;    // z of a normal that faces up, within 37 degrees
 constexpr float kUprightNormal = 0.5F;  // and of one that faces aside, at most
-// Thickness of a layer of the histogram: two voxels, so that a level face lies in one or two.
+// Thickness of a layer of the histogram: more than two voxels, so that a level face lies in one or
+// two.
 constexpr double kLayerM = 0.08;
 // Of the box seen from above. Of tables with things on them less is seen than of bare ones (1).
 constexpr double kMinTopShare = 0.4;
 // Of the floor in the box, this far from its sides. Cabinets on legs let some be seen.
 constexpr double kMinFloorShare = 0.5;
-constexpr double kInsetM = 0.06;  // a voxel and a half: the sides scatter by as much
-constexpr double kFloorM = 0.12;  // elements of the floor scatter by three voxels
+constexpr double kInsetM = 0.06;  // two voxels: the sides scatter by as much
+constexpr double kFloorM = 0.12;  // what is fused of the floor scatters by as much
 // Of the long side below the top: aprons and legs cover up to a third, fronts of cabinets, if half
 // hidden, more.
 constexpr double kMaxCoveredShare = 0.35;

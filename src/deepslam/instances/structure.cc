@@ -14,8 +14,8 @@ namespace {
 constexpr float kUpward = 0.9F;  // z of a normal that faces up: within 26 degrees
 constexpr double kAlikeNormals =
     0.7;                             // cosine: within 45 degrees, as fused normals of walls scatter
-constexpr double kEndSlackM = 0.08;  // walls go on to their corners, two voxels or so
-constexpr double kSlantedM = 0.08;   // a slanted plane is found within this, two voxels
+constexpr double kEndSlackM = 0.08;  // walls go on to their corners
+constexpr double kSlantedM = 0.08;   // a slanted plane is found within this
 
 bool IsOfWall(const LayoutWall& wall,
               const Eigen::Vector3d& p,

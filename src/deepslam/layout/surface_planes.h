@@ -12,7 +12,7 @@
 namespace deepslam::layout {
 
 struct PlaneOptions {
-  // A voxel and a half: what a Kinect's noise at 4 m leaves of a wall after fusion.
+  // Two voxels: what a Kinect's noise at 4 m leaves of a wall after fusion.
   double max_distance_m = 0.06;
   // Between a vertex's smoothed normal and the plane's; marching cubes turn normals by the noise of
   // each voxel, and what meets a wall at an angle turns by more.

@@ -12,7 +12,7 @@
 
 namespace deepslam::layout {
 
-// Larger than the 0.04 m of a voxel, so that wall leaves no cell empty.
+// Larger than a voxel, so that wall leaves no cell empty.
 inline constexpr double kCell_m = 0.05;
 
 // Bits of a cell.
