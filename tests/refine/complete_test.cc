@@ -5,11 +5,13 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "deepslam/scene/voxel_grid.h"
+#include "deepslam/shape/small_components.h"
 #include "deepslam/shape/stretch.h"
 #include "support/staged_views.h"
 #include "support/voxel_shapes.h"
@@ -190,6 +192,57 @@ TEST_F(CompleteModelTest, LegsThatSegmentationMissedAreNotCarvedAway) {
   const auto completed = CompleteModel(thing, placed, options_);
   ASSERT_TRUE(completed);
   EXPECT_GT(IoU(*completed, table), 0.92);
+}
+
+TEST_F(CompleteModelTest, LegsOfWhichRaysMissAPieceHangOnTheThingAgain) {
+  // Rings of chrome round the legs, whose depth is that of what is behind.
+  const Shape without_rings = [](double x, double y, double z) {
+    return OnLegs(x, y, z) && !(z > -12 && z < -4);
+  };
+  const auto completed = Complete(OnLegs, without_rings, 12);
+  ASSERT_TRUE(completed);
+  for (const int x : {-15, 14}) {
+    for (const int y : {-15, 14}) EXPECT_TRUE(At(*completed, x, y, -20)) << x << " " << y;
+  }
+  EXPECT_EQ(shape::PartsOf(completed->grid, 1).size(), 1U);
+  EXPECT_GT(IoU(*completed, OnLegs), 0.85);
+}
+
+// Heights of the grid's topmost voxels, but for those near the rim.
+std::set<int> HeightsOfTop(const VoxelGrid& grid) {
+  constexpr int kRim = 5;
+  const std::optional<VoxelBox> box = OccupiedBox(grid);
+  std::set<int> heights;
+  for (int i = box->low.x() + kRim; i <= box->high.x() - kRim; ++i) {
+    for (int j = box->low.y() + kRim; j <= box->high.y() - kRim; ++j) {
+      int k = kGridSize - 1;
+      while (k >= 0 && !grid.At(i, j, k)) --k;
+      heights.insert(k);
+    }
+  }
+  return heights;
+}
+
+// Views of a board that lies a degree tilted in the model's axes: its face passes from one layer of
+// a grid that follows the floor into the next.
+TEST_F(CompleteModelTest, ALevelFaceIsOneLayerOfVoxelsWithoutAStep) {
+  const shape::ShapeModel board(testing_support::FillGrid([](double x, double y, double z) {
+    return std::abs(x) < 31 && std::abs(y) < 20 && std::abs(z) < 3;
+  }));
+  const Similarity3 board_from_model{
+      1, Eigen::Quaterniond(Eigen::AngleAxisd(0.015, Eigen::Vector3d::UnitY())), {0, 0, -0.004}};
+  std::vector<testing_support::Staged> staged;
+  for (int n = 0; n < 8; ++n)
+    staged.push_back(testing_support::LookAt(board, 2 * std::numbers::pi * n / 8, 0.6));
+  std::vector<PlacedView> placed;
+  for (const auto& view : staged)
+    placed.push_back({&view.view, view.camera_from_grid * board_from_model});
+  const auto on_floor = CompleteModel(board, placed, options_);
+  options_.follow_level_face = true;
+  const auto on_face = CompleteModel(board, placed, options_);
+  ASSERT_TRUE(on_floor && on_face);
+  EXPECT_GT(HeightsOfTop(on_floor->grid).size(), 1U);
+  EXPECT_EQ(HeightsOfTop(on_face->grid).size(), 1U);
 }
 
 TEST_F(CompleteModelTest, WhatLiesFarFromTheModelIsOfSomethingElse) {
