@@ -77,6 +77,14 @@ TEST_F(ReachBackTest, NotWhereTheWallBehindWasSeen) {
   EXPECT_FALSE(Reach());
 }
 
+TEST_F(ReachBackTest, BelowWhatHangsTheWallMayBeSeen) {
+  box_.bottom_m = 1.4;
+  Add({1, 0, 0.9}, {2, 0, 1.42});
+  EXPECT_TRUE(Reach());
+  box_.bottom_m = 1.2;
+  EXPECT_FALSE(Reach());
+}
+
 TEST_F(ReachBackTest, NotWhereSomethingStandsBetween) {
   Add({1.2, 0.3, 0.05}, {1.8, 0.3, 0.6});
   EXPECT_FALSE(Reach());

@@ -7,6 +7,7 @@
 
 #include "deepslam/core/angles.h"
 #include "deepslam/instances/wall_axes.h"
+#include "deepslam/scene/object_class.h"
 
 namespace deepslam::instances {
 namespace {
@@ -19,8 +20,7 @@ constexpr double kMostDepthM = 0.85;  // and what stands a little before its wal
 const double kAlongWall = std::cos(12 * kRadPerDeg);
 constexpr float kFacing = 0.8F;      // of a front's normal to the wall's: within 37 degrees
 constexpr double kWallAboveM = 0.1;  // of the wall above the thing: else the two may be one
-constexpr double kScatterM =
-    0.08;  // two voxels: surfaces of the box and the wall scatter by as much
+constexpr double kScatterM = 0.08;   // surfaces of the box and the wall scatter by as much
 // Of the front, seen between the two: what stands out of the room's corners or lies on top.
 constexpr double kMaxSeenShare = 0.05;
 
@@ -52,12 +52,14 @@ std::optional<ByWall> PlaceBy(const LayoutWall& wall, const UprightBox& box) {
   return place;
 }
 
-// Surface between the box and the wall, and of the wall behind it, as a share of the front.
+// Surface between the box and the wall, and of the wall behind it, as a share of the front. Below
+// what hangs the wall is seen; what stands has the floor there.
 double SeenShare(const ByWall& place, const UprightBox& box, const SurfaceElements& elements) {
+  const double lowest_m = box.bottom_m + (box.bottom_m > kMaxHiddenBase_m ? kScatterM : -kScatterM);
   std::size_t num_seen = 0;
   for (const Eigen::Vector3f& point : elements.points()) {
     const Eigen::Vector3d p = point.cast<double>();
-    if (p.z() > box.top_m - kScatterM || p.z() < box.bottom_m - kScatterM) continue;
+    if (p.z() > box.top_m - kScatterM || p.z() < lowest_m) continue;
     const OnWall at = place.axes.Place(p.head<2>());
     if (at.along_m > place.begin_m + kScatterM && at.along_m < place.end_m - kScatterM &&
         at.before_m > -kScatterM && at.before_m < place.back_m - kScatterM)
