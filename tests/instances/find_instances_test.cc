@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/instances/silhouettes.h"
+#include "instances/sampled_world.h"
 #include "support/box_world.h"
 
 namespace deepslam::instances {
@@ -19,141 +20,8 @@ using testing::IsEmpty;
 using testing::SizeIs;
 using namespace testing_support;  // NOLINT
 
-constexpr double kVoxelM = 0.04;
-constexpr double kSampleM = 0.02;
 // Of masks against the truth: a voxel at the edges of things is theirs or their neighbour's.
 constexpr double kMinMaskIou = 0.85;
-
-// Surface of a world of cuboids as a fused capture has it, with the cuboid's object.
-struct SampledWorld {
-  std::vector<Eigen::Vector3f> points;
-  std::vector<Eigen::Vector3f> normals;
-};
-
-bool IsInside(const std::vector<Cuboid>& world, const Eigen::Vector3d& point) {
-  return std::ranges::any_of(world, [&](const Cuboid& box) {
-    return (point.array() > box.min_m.array() + 1e-6).all() &&
-           (point.array() < box.max_m.array() - 1e-6).all();
-  });
-}
-
-void SampleSide(const std::vector<Cuboid>& world,
-                const Cuboid& box,
-                int axis,
-                double sign,
-                SampledWorld& sampled) {
-  const int a = (axis + 1) % 3;
-  const int b = (axis + 2) % 3;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  normal[axis] = sign;
-  for (double s = box.min_m[a] + kSampleM / 2; s < box.max_m[a]; s += kSampleM) {
-    for (double t = box.min_m[b] + kSampleM / 2; t < box.max_m[b]; t += kSampleM) {
-      Eigen::Vector3d p;
-      p[axis] = sign > 0 ? box.max_m[axis] : box.min_m[axis];
-      p[a] = s;
-      p[b] = t;
-      // Sides on the floor, and sides that other things cover, nobody sees.
-      if (p.z() < 1e-3 || IsInside(world, p + 1e-3 * normal)) continue;
-      sampled.points.push_back(p.cast<float>());
-      sampled.normals.push_back(normal.cast<float>());
-    }
-  }
-}
-
-SampledWorld Sample(const std::vector<Cuboid>& world) {
-  SampledWorld sampled;
-  for (const Cuboid& box : world) {
-    for (int axis = 0; axis < 3; ++axis) {
-      SampleSide(world, box, axis, 1, sampled);
-      SampleSide(world, box, axis, -1, sampled);
-    }
-  }
-  return sampled;
-}
-
-ClassTable Classes() {
-  ClassTable table;
-  table.classes = {{"chair", {"chair"}, {}, 0.4, 1.5, 0.4, 1.4, {}, {}},
-                   {"table", {"dining table"}, {}, 0.4, 4, 0.3, 1.2, {}, {}},
-                   {"bed", {"bed"}, {}, 1.2, 2.7, 0.25, 2, {}, {}},
-                   {"cabinet", {}, {}, 0.3, 2.6, 0.3, 2.5, {}, {}},
-                   {"furniture", {}, {}, 0.2, 3.5, 0.15, 2.7, {}, {.fallback = true}}};
-  return table;
-}
-
-struct Label {
-  int object;
-  std::string class_name;
-};
-
-enum class Evidence { kNone, kBoxes, kMasks };
-
-// True detections of the objects that have a label, as a network would give them.
-std::vector<Detection> Detect(const BoxView& view,
-                              const std::vector<Label>& labels,
-                              Evidence evidence) {
-  std::vector<Detection> detections;
-  for (const Label& label : labels) {
-    std::optional<Detection> detection = DetectTruth(view, label.object, label.class_name);
-    if (!detection || evidence == Evidence::kNone) continue;
-    if (evidence == Evidence::kMasks) {
-      Mask mask(view.object.width(), view.object.height());
-      for (std::size_t p = 0; p < mask.size(); ++p)
-        mask.data()[p] = view.object.data()[p] == label.object ? 1 : 0;
-      detection->mask = mask;
-    }
-    detections.push_back(*std::move(detection));
-  }
-  return detections;
-}
-
-struct Found {
-  SurfaceElements elements{{}, {}, kVoxelM};
-  Instances instances;
-};
-
-VotingView ViewOf(const BoxView& view, const Pose3& pose, std::span<const Detection> detections) {
-  return {&view.frame.depth_m, SmallCamera(), pose.Inverse(), detections};
-}
-
-Found Find(const std::vector<Cuboid>& world,
-           const std::vector<Pose3>& poses,
-           const std::vector<Label>& labels,
-           Evidence evidence,
-           const InstanceOptions& options = {},
-           const ClassTable& classes = Classes()) {
-  const SampledWorld sampled = Sample(world);
-  Found found{SurfaceElements(sampled.points, sampled.normals, kVoxelM), {}};
-  const std::vector<char> is_structure(found.elements.size(), 0);
-  const std::vector<ElementPair> pairs = found.elements.PairsWithin(1.9 * kVoxelM);
-  const Superpoints superpoints =
-      MakeSuperpoints(found.elements, is_structure, pairs, options.superpoints);
-  ViewVotes votes;
-  for (const Pose3& pose : poses) {
-    const BoxView view = RenderBoxes(world, SmallCamera(), pose);
-    const std::vector<Detection> detections = Detect(view, labels, evidence);
-    const VisibleElements visible =
-        FindVisible(found.elements, ViewOf(view, pose, detections), options.votes);
-    AddVotes(ClaimSuperpoints(superpoints, visible, detections, options.votes),
-             detections,
-             superpoints.count(),
-             votes);
-  }
-  found.instances = FindInstances(found.elements, superpoints, pairs, votes, {}, classes, options);
-  return found;
-}
-
-std::vector<Instance> Mapped(const Found& found) {
-  std::vector<Instance> mapped;
-  std::ranges::copy_if(found.instances.instances,
-                       std::back_inserter(mapped),
-                       [](const Instance& i) { return i.rejection.empty(); });
-  return mapped;
-}
-
-int CountClass(const std::vector<Instance>& instances, const std::string& name) {
-  return static_cast<int>(std::ranges::count(instances, name, &Instance::class_name));
-}
 
 const Eigen::Vector3d kMiddle(0, 0, 0.4);
 
@@ -189,6 +57,17 @@ TEST(FindInstances, FlushThingsAreToldApartByMasks) {
     if (instance.class_name != "bed") continue;
     EXPECT_NEAR(instance.box_level.long_side_m(), 2, 0.12);
   }
+}
+
+TEST(FindInstances, PartsThatMasksHoldTogetherAreOneThingAcrossAGapInIt) {
+  // A bed of which the frame between two mattresses is hidden.
+  const std::vector<Cuboid> world = {{0, {-1, -0.75, 0}, {1, -0.05, 0.5}},
+                                     {0, {-1, 0.05, 0}, {1, 0.75, 0.5}}};
+  const std::vector<Pose3> poses = Orbit(kMiddle, 3, 1.6, 0, 20, 18);
+  EXPECT_THAT(Mapped(Find(world, poses, {}, Evidence::kNone)), SizeIs(2)) << "nothing joins them";
+  const std::vector<Instance> mapped = Mapped(Find(world, poses, {{0, "bed"}}, Evidence::kMasks));
+  ASSERT_THAT(mapped, SizeIs(1));
+  EXPECT_NEAR(mapped[0].box_level.short_side_m(), 1.5, 0.12);
 }
 
 std::vector<Cuboid> TableWithChairs() {

@@ -37,7 +37,8 @@ constexpr std::string_view kHeader =
     "# own; `solid_inside` is closed, and solid where nobody saw into it; `yaw_free` is alike from "
     "several sides, so that\n"
     "# loops do not compare its front; `fallback` takes what fits no other class (one class at "
-    "most); `fused_only` has the\n"
+    "most); `built_in` is let into\n"
+    "# furniture, and one thing with the piece under it; `fused_only` has the\n"
     "# shape that was measured and no prior's. `stands_on` is what such things rest on: [floor] "
     "where it is left out, or some\n"
     "# of floor, furniture, wall.\n"
@@ -55,6 +56,7 @@ constexpr std::array kFlagColumns = {FlagColumn{"support_plane", &ClassTraits::s
                                      FlagColumn{"solid_inside", &ClassTraits::solid_inside},
                                      FlagColumn{"yaw_free", &ClassTraits::yaw_free},
                                      FlagColumn{"fallback", &ClassTraits::fallback},
+                                     FlagColumn{"built_in", &ClassTraits::built_in},
                                      FlagColumn{"fused_only", &ClassTraits::fused_only}};
 
 struct SupportName {

@@ -55,7 +55,7 @@ std::vector<ObjectClass> HouseholdThings() {
   constexpr ClassTraits kLaid = {.supports = kFurniture, .fused_only = true};
   constexpr ClassTraits kClosedOnTop = {
       .supports = kFurnitureOrWall, .solid_inside = true, .fused_only = true};
-  constexpr ClassTraits kBasin = {.supports = kAnything, .fused_only = true};
+  constexpr ClassTraits kBasin = {.supports = kAnything, .built_in = true, .fused_only = true};
   constexpr ClassTraits kRoundAnywhere = {
       .supports = kFloorOrFurniture, .yaw_free = true, .fused_only = true};
   constexpr ClassTraits kClock = {.supports = kAnything, .solid_inside = true, .fused_only = true};

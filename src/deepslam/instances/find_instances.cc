@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/instances/built_in.h"
 #include "deepslam/instances/carried.h"
 #include "deepslam/instances/join_instances.h"
 #include "deepslam/instances/open_below.h"
@@ -194,23 +195,53 @@ void Deepen(const Context& context, Instance& instance) {
   Name(context, instance);
 }
 
-// Instances out of superpoints, each with its box, its name, and why it is no object.
+// Its box, its name, and why it is no object.
+void Judge(const Context& context, Instance& instance) {
+  const InstanceOptions& options = context.options;
+  instance.box_level = BoxOfElements(context.elements, instance.elements);
+  Name(context, instance);
+  Deepen(context, instance);
+  instance.rejection = TooLittle(instance, context.elements.voxel_m(), options);
+  if (instance.rejection.empty() && !instance.is_named)
+    instance.rejection = NoThing(instance.box_level, options);
+  if (instance.rejection.empty() && instance.class_name.empty())
+    instance.rejection = "no class of the table is as large";
+}
+
+// Instances out of superpoints.
 std::vector<Instance> Assemble(const Context& context,
                                const std::vector<int>& thing_of_superpoint) {
-  const InstanceOptions& options = context.options;
   std::vector<Instance> instances = Gather(context.superpoints, thing_of_superpoint);
   CountClasses(context.superpoints, thing_of_superpoint, context.votes, instances);
-  for (Instance& instance : instances) {
-    instance.box_level = BoxOfElements(context.elements, instance.elements);
-    Name(context, instance);
-    Deepen(context, instance);
-    instance.rejection = TooLittle(instance, context.elements.voxel_m(), options);
-    if (instance.rejection.empty() && !instance.is_named)
-      instance.rejection = NoThing(instance.box_level, options);
-    if (instance.rejection.empty() && instance.class_name.empty())
-      instance.rejection = "no class of the table is as large";
-  }
+  for (Instance& instance : instances) Judge(context, instance);
   return instances;
+}
+
+void AddElements(const Context& context, const std::vector<int>& more, Instance& instance) {
+  instance.elements.insert(instance.elements.end(), more.begin(), more.end());
+  std::ranges::sort(instance.elements);
+  instance.box_level = BoxOfElements(context.elements, instance.elements);
+}
+
+// Furniture under what is built into it becomes part of it; what is left of the furniture comes
+// behind all other instances.
+void CutFurniture(const Context& context, std::vector<Instance>& instances) {
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    std::vector<int> under;
+    while (auto cut = CutUnder(i, instances, context.elements, context.classes)) {
+      under.insert(under.end(), cut->under.begin(), cut->under.end());
+      Instance& host = instances[cut->host];
+      host.elements.clear();
+      host.rejection = "a " + instances[i].class_name + " is built into it";
+      for (std::vector<int>& elements : cut->beside) {
+        Instance piece;
+        piece.elements = std::move(elements);
+        Judge(context, piece);
+        instances.push_back(std::move(piece));
+      }
+    }
+    if (!under.empty()) AddElements(context, under, instances[i]);
+  }
 }
 
 // Feet become part of what they carry, which keeps its name: detections of a basin say nothing of
@@ -221,9 +252,7 @@ void TakeFeet(const Context& context, std::vector<Instance>& instances) {
     if (carried[i] < 0) continue;
     Instance& foot = instances[i];
     Instance& thing = instances[static_cast<std::size_t>(carried[i])];
-    thing.elements.insert(thing.elements.end(), foot.elements.begin(), foot.elements.end());
-    std::ranges::sort(thing.elements);
-    thing.box_level = BoxOfElements(context.elements, thing.elements);
+    AddElements(context, foot.elements, thing);
     foot.elements.clear();
     foot.rejection = "the foot of a " + thing.class_name;
   }
@@ -310,6 +339,7 @@ Instances FindInstances(const SurfaceElements& elements,
   std::vector<Instance> instances = Assemble(context, thing_of_superpoint);
   while (JoinParts(WholesOf(instances), thing_of_superpoint))
     instances = Assemble(context, thing_of_superpoint);
+  CutFurniture(context, instances);
   TakeFeet(context, instances);
   RejectCarried(instances);
   Instances found{std::move(instances), std::vector<int>(elements.size(), -1)};

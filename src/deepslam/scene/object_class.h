@@ -70,6 +70,8 @@ struct ClassTraits {
   bool yaw_free = false;
   // Takes what fits no other class, and any library model of its size; one class at most.
   bool fallback = false;
+  // Let into furniture, as basins are: the piece of furniture under it is one thing with it.
+  bool built_in = false;
   // No prior knows its shape: it is what was measured of it, whatever a library or a network holds.
   bool fused_only = false;
 
