@@ -33,6 +33,7 @@ MECHANISMS = {
     "layout aligned to its walls": {"layout.align": "false"},
     "boxes from clusters of depth": {"detect.clusters.enabled": "false"},
     "detection on keyframes alone": {"detect.frames": "all"},
+    "of them on those of new surface": {"detect.frames": "keyframes"},
     "proposals from depth beside colour": {"propose.use_depth": "false"},
     "library of models": {"propose.retrieval": "false"},
     "fused surfaces": {"propose.fused": "false"},

@@ -36,7 +36,7 @@ LAPS, FRAMES = 1.25, 160
 MODES = {"default": [],
          "paper": ["--config", str(ROOT / "configs/paper.yaml"), "--set", "detect.frames=keyframes"],
          "drifted": ["--set", "track.poses=capture", "--set", "loops.appearance.enabled=false",
-                     "--set", "associate.method=votes"]}
+                     "--set", "associate.method=votes", "--set", "detect.frames=keyframes"]}
 WRONG_M, WRONG_DEG, SAME_OBJECT_M = 0.10, 5.0, 0.5
 DRIFT_M, DRIFT_DEG = (0.10, 0.25), (4.0, 8.0)  # of a lap; what is 2 m off moves by 0.14 m for 4 deg
 

@@ -278,5 +278,54 @@ TEST(FramesToSearch, AreKeyframesThoseGivenOrAllThatHaveAPose) {
               ElementsAre(FrameIdx{0}, FrameIdx{1}, FrameIdx{2}, FrameIdx{5}));
 }
 
+// A camera that stands still for twenty frames.
+struct StandingCamera {
+  StandingCamera() { ground.plane_world = Plane{}; }
+  [[nodiscard]] std::vector<FrameIdx> NewOf(const std::vector<Detection>& given) const {
+    RecordingProgress progress;
+    const auto frames =
+        FramesOfNewSurface({source, path, ground, classes, given}, path.keyframes, progress);
+    EXPECT_TRUE(frames.ok());
+    return frames.ok() ? *frames : std::vector<FrameIdx>();
+  }
+
+  BoxWorldSource source{{kCabinetBox, kChairBox}, Orbit({0, 0.3, 0.3}, 2.2, 1.4, -90, 0, 20)};
+  Odometry path = source.TrueOdometry();
+  Ground ground;
+  ClassTable classes = Classes();
+};
+
+TEST(FramesOfNewSurface, LeavesOutWhatShowsTheSameButNotWhatIsGiven) {
+  const StandingCamera scene;
+  const std::vector<FrameIdx> frames = scene.NewOf({});
+  EXPECT_EQ(frames.front(), FrameIdx{0});
+  EXPECT_LT(frames.size(), 6);
+  Detection given;
+  given.frame = FrameIdx{17};
+  std::vector<FrameIdx> with_given = frames;
+  with_given.push_back(given.frame);
+  EXPECT_EQ(scene.NewOf({given}), with_given);
+}
+
+TEST(FramesOfNewSurface, AreAllWithoutAGround) {
+  StandingCamera scene;
+  scene.ground.plane_world.reset();
+  EXPECT_EQ(scene.NewOf({}), scene.path.keyframes);
+}
+
+TEST(FramesOfNewSurface, KeepsFramesOfAnotherWorld) {
+  StandingCamera scene;
+  scene.ground.apart.push_back({FrameIdx{15}, FrameIdx{20}, {}});
+  const std::vector<FrameIdx> frames = scene.NewOf({});
+  EXPECT_THAT(std::vector(frames.end() - 5, frames.end()),
+              ElementsAre(FrameIdx{15}, FrameIdx{16}, FrameIdx{17}, FrameIdx{18}, FrameIdx{19}));
+}
+
+TEST(FramesOfNewSurface, KeepsWhatItCannotRead) {
+  StandingCamera scene;
+  scene.source.broken = {12};
+  EXPECT_EQ(scene.NewOf({}).back(), FrameIdx{12});
+}
+
 }  // namespace
 }  // namespace deepslam::detect

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/detect/new_surface.h"
 #include "deepslam/detect/turned_detections.h"
 #include "deepslam/scene/upright_turns.h"
 
@@ -215,6 +216,30 @@ std::vector<FrameIdx> FramesToSearch(const Trajectory& trajectory,
   }
   std::erase_if(wanted, [&](FrameIdx frame) { return !IsAligned(trajectory.at(frame)); });
   return {wanted.begin(), wanted.end()};
+}
+
+Result<std::vector<FrameIdx>> FramesOfNewSurface(const DetectionInputs& inputs,
+                                                 std::span<const FrameIdx> wanted,
+                                                 Progress& progress) {
+  if (!inputs.ground.plane_world) return std::vector(wanted.begin(), wanted.end());
+  std::vector<std::vector<SeenCell>> cells(wanted.size());
+  ParallelFor(wanted.size(), [&](std::size_t k) {
+    if (progress.StopRequested() || ApartAt(inputs.ground, wanted[k]) != nullptr) return;
+    Result<Frame> frame = inputs.frames.ReadDepth(wanted[k]);
+    if (!frame.ok()) return;
+    const Pose3& world_from_camera = inputs.trajectory.at(wanted[k]).world_from_camera;
+    cells[k] = SeenCells(frame->depth_m, inputs.frames.camera(), world_from_camera);
+    inputs.frames.GiveBack(std::move(frame).value());
+  });
+  if (progress.StopRequested()) return Interrupted();
+  const std::vector<bool> show_new = ShowNewSurface(cells);
+  std::vector<FrameIdx> frames;
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const bool is_given =
+        std::ranges::binary_search(inputs.given, wanted[k], {}, &Detection::frame);
+    if (show_new[k] || is_given) frames.push_back(wanted[k]);
+  }
+  return frames;
 }
 
 Result<std::vector<FrameDetections>> DetectFrames(const DetectionInputs& inputs,

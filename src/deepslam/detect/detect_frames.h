@@ -54,6 +54,14 @@ struct FrameDetections {
                                                    std::span<const Detection> given,
                                                    bool all);
 
+// Of the wanted frames, those that show surface that the ones before did not (new_surface.h), that
+// `given` speaks of, whose depth cannot be read or whose place in the first keyframe's world is
+// unknown. All where no ground is known: objects are found by votes of frames then, which need
+// many. Errors: Interrupted.
+[[nodiscard]] Result<std::vector<FrameIdx>> FramesOfNewSurface(const DetectionInputs& inputs,
+                                                               std::span<const FrameIdx> wanted,
+                                                               Progress& progress);
+
 // One for each of `wanted`, in their order, the same for any thread count. Without `load` no
 // detector looks. A frame that cannot be read, or that the detector fails on, is told by a warning.
 // Errors: the loader's, and Interrupted.

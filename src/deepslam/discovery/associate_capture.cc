@@ -10,7 +10,8 @@ namespace deepslam::discovery {
 namespace {
 
 struct Divided {
-  std::vector<FrameIdx> looked_at;    // in the surface's world
+  std::vector<FrameIdx> wanted;       // in the surface's world: keyframes, and those looked at
+  std::vector<FrameIdx> looked_at;    // of them
   std::vector<Detection> detections;  // of these frames
   std::vector<Segment> elsewhere;     // of all other frames
 };
@@ -23,6 +24,13 @@ Divided Divide(const CaptureInputs& inputs, std::vector<Segment> segments) {
   for (const FrameIdx frame : inputs.looked_at) {
     if (!is_elsewhere(frame)) divided.looked_at.push_back(frame);
   }
+  for (const FrameIdx frame : inputs.trajectory.keyframes) {
+    if (!is_elsewhere(frame)) divided.wanted.push_back(frame);
+  }
+  std::ranges::copy(divided.looked_at, std::back_inserter(divided.wanted));
+  std::ranges::sort(divided.wanted);
+  const auto [first, last] = std::ranges::unique(divided.wanted);
+  divided.wanted.erase(first, last);
   for (const Detection& detection : inputs.detections) {
     if (!is_elsewhere(detection.frame)) divided.detections.push_back(detection);
   }
@@ -79,6 +87,7 @@ Result<FoundThings> FindAll(const CaptureInputs& inputs,
                            inputs.surface->surface,
                            inputs.surface->layout,
                            inputs.classes,
+                           divided.wanted,
                            divided.looked_at,
                            divided.detections,
                            next_detection_id};

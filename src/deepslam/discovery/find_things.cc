@@ -36,6 +36,13 @@ constexpr double kLargeM2 = 0.15;
 constexpr double kLongM = 0.4;           // the longest side, or the height, of a long one
 constexpr double kLargeOfLongM2 = 0.06;  // a rail of 0.4 m that is 0.15 m high
 
+const instances::FrameClaims& ClaimsOf(const Claims& claims,
+                                       const ThingInputs& inputs,
+                                       FrameIdx frame) {
+  const auto at = std::ranges::lower_bound(inputs.looked_at, frame);
+  return claims.frames[static_cast<std::size_t>(at - inputs.looked_at.begin())];
+}
+
 // Which thing each detection of a frame is of: the one that most of what it claims belongs to.
 std::vector<int> ThingsOfDetections(const instances::FrameClaims& claims,
                                     std::span<const Detection> detections,
@@ -106,21 +113,19 @@ class Tracks {
     votes_.resize(found.instances.size());
   }
 
-  // `thing_of_detection`: of the detections of the n-th frame looked at.
-  void Add(std::size_t n,
+  // `thing_of_detection`: of the detections of the frame.
+  void Add(FrameIdx frame,
            std::span<const Silhouette> silhouettes,
            const std::vector<int>& thing_of_detection) {
-    const std::span<const Detection> detections = DetectionsOf(inputs_, n);
+    const std::span<const Detection> detections = DetectionsOf(inputs_, frame);
     std::vector<bool> is_used(detections.size(), false);
     for (const Silhouette& silhouette : silhouettes) {
       const auto thing = static_cast<std::size_t>(silhouette.instance);
       const std::optional<std::size_t> own =
           BestOf(detections, thing_of_detection, silhouette.instance);
       if (own) is_used[*own] = true;
-      Segment segment = SegmentOf(silhouette,
-                                  found_.instances[thing],
-                                  inputs_.looked_at[n],
-                                  own ? &detections[*own] : nullptr);
+      Segment segment =
+          SegmentOf(silhouette, found_.instances[thing], frame, own ? &detections[*own] : nullptr);
       segment.detection = own ? detections[*own].id : DetectionId{next_id_++};
       members_[thing].push_back({segment.detection, segment.frame, 0, 0, "surface"});
       num_views_[thing] += IsCut(segment.box_px, inputs_.frames.camera()) ? kCutView : 1;
@@ -286,13 +291,16 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
   const instances::DividedSurface divided{elements, nearest, found};
   Tracks tracks(inputs, found);
   std::vector<Look> best;
-  const auto look = [&](std::size_t n, const Frame& frame) {
-    std::vector<int> thing_of_detection = ThingsOfDetections(
-        claims->frames[n], DetectionsOf(inputs, n), superpoints, thing_of_superpoint);
+  const auto look = [&](std::size_t, const Frame& frame) {
+    const std::span<const Detection> detections = DetectionsOf(inputs, frame.idx);
+    std::vector<int> thing_of_detection;
+    if (!detections.empty())
+      thing_of_detection = ThingsOfDetections(
+          ClaimsOf(*claims, inputs, frame.idx), detections, superpoints, thing_of_superpoint);
     const Pose3 level_from_camera = LevelFromCamera(inputs, frame.idx);
     std::vector<Silhouette> silhouettes = instances::FindSilhouettes(
         divided,
-        ShownByMasks(DetectionsOf(inputs, n), thing_of_detection, found, inputs.classes),
+        ShownByMasks(detections, thing_of_detection, found, inputs.classes),
         frame.depth_m,
         inputs.frames.camera(),
         level_from_camera,
@@ -309,10 +317,11 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
   };
   const auto add = [&](std::size_t n, Looked looked) {
     KeepBest(looked.looks, best);
-    tracks.Add(n, looked.silhouettes, looked.thing_of_detection);
-    progress.Report(n + 1, inputs.looked_at.size());
+    tracks.Add(inputs.wanted[n], looked.silhouettes, looked.thing_of_detection);
+    progress.Report(n + 1, inputs.wanted.size());
   };
-  const Status status = ForDepthFrames<Looked>(inputs, false, progress, look, add);
+  const Status status =
+      ForDepthFrames<Looked>(inputs.frames, inputs.wanted, false, progress, look, add);
   if (!status.ok()) return status.error();
   return std::move(tracks).Take(best);
 }

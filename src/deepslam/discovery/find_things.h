@@ -38,7 +38,9 @@ struct ThingInputs {
   const CoarseSurface& surface;  // of these frames
   const Layout& layout;          // of this surface
   const ClassTable& classes;
-  // Frames that the detector looked at and the surface was made of, ascending.
+  // Frames that the surface was made of, ascending: those whose silhouettes are wanted, and of them
+  // those that the detector looked at.
+  std::span<const FrameIdx> wanted;
   std::span<const FrameIdx> looked_at;
   std::span<const Detection> detections;  // of these frames, in ascending frames
   int next_detection_id = 0;              // above the ids of all detections of the capture

@@ -5,9 +5,9 @@
 
 namespace deepslam::discovery {
 
-std::span<const Detection> DetectionsOf(const ThingInputs& inputs, std::size_t n) {
+std::span<const Detection> DetectionsOf(const ThingInputs& inputs, FrameIdx frame) {
   const auto [begin, end] =
-      std::ranges::equal_range(inputs.detections, inputs.looked_at[n], {}, &Detection::frame);
+      std::ranges::equal_range(inputs.detections, frame, {}, &Detection::frame);
   return {begin, end};
 }
 
@@ -23,7 +23,7 @@ Result<Claims> CollectClaims(const ThingInputs& inputs,
   Claims claims;
   claims.frames.resize(inputs.looked_at.size());
   const auto claim = [&](std::size_t n, const Frame& frame) {
-    const std::span<const Detection> detections = DetectionsOf(inputs, n);
+    const std::span<const Detection> detections = DetectionsOf(inputs, inputs.looked_at[n]);
     const instances::VotingView view{&frame.depth_m,
                                      inputs.frames.camera(),
                                      LevelFromCamera(inputs, inputs.looked_at[n]).Inverse(),
@@ -32,10 +32,12 @@ Result<Claims> CollectClaims(const ThingInputs& inputs,
         superpoints, instances::FindVisible(elements, view, options), detections, options);
   };
   const auto vote = [&](std::size_t n, instances::FrameClaims of_frame) {
-    instances::AddVotes(of_frame, DetectionsOf(inputs, n), superpoints.count(), claims.votes);
+    instances::AddVotes(
+        of_frame, DetectionsOf(inputs, inputs.looked_at[n]), superpoints.count(), claims.votes);
     claims.frames[n] = std::move(of_frame);
   };
-  const Status status = ForDepthFrames<instances::FrameClaims>(inputs, true, progress, claim, vote);
+  const Status status = ForDepthFrames<instances::FrameClaims>(
+      inputs.frames, inputs.looked_at, true, progress, claim, vote);
   if (!status.ok()) return status.error();
   return claims;
 }

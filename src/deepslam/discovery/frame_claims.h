@@ -13,16 +13,16 @@
 
 namespace deepslam::discovery {
 
-// The detections of the n-th of the frames looked at.
-[[nodiscard]] std::span<const Detection> DetectionsOf(const ThingInputs& inputs, std::size_t n);
+[[nodiscard]] std::span<const Detection> DetectionsOf(const ThingInputs& inputs, FrameIdx frame);
 
 // Level world <- camera.
 [[nodiscard]] Pose3 LevelFromCamera(const ThingInputs& inputs, FrameIdx frame);
 
-// Reads the depth of the frames looked at, makes something of each side by side, and takes what was
-// made in their order. A frame that cannot be read is skipped; `warn`: with a warning.
+// Reads the depth of these frames, makes something of each side by side, and takes what was made in
+// their order. A frame that cannot be read is skipped; `warn`: with a warning.
 template <typename Value>
-[[nodiscard]] Status ForDepthFrames(const ThingInputs& inputs,
+[[nodiscard]] Status ForDepthFrames(const FrameSource& source,
+                                    std::span<const FrameIdx> frames,
                                     bool warn,
                                     Progress& progress,
                                     const std::function<Value(std::size_t, const Frame&)>& make,
@@ -39,7 +39,8 @@ struct Claims {
                                            Progress& progress);
 
 template <typename Value>
-Status ForDepthFrames(const ThingInputs& inputs,
+Status ForDepthFrames(const FrameSource& source,
+                      std::span<const FrameIdx> frames,
                       bool warn,
                       Progress& progress,
                       const std::function<Value(std::size_t, const Frame&)>& make,
@@ -49,7 +50,7 @@ Status ForDepthFrames(const ThingInputs& inputs,
   const auto prepare = [&](std::size_t n) {
     made[n % kAhead].reset();
     if (progress.StopRequested()) return;
-    const Result<Frame> frame = inputs.frames.ReadDepth(inputs.looked_at[n]);
+    const Result<Frame> frame = source.ReadDepth(frames[n]);
     if (frame.ok())
       made[n % kAhead] = make(n, *frame);
     else
@@ -64,7 +65,7 @@ Status ForDepthFrames(const ThingInputs& inputs,
       progress.Warn(value->error().message);
     return true;
   };
-  ParallelAhead(inputs.looked_at.size(), kAhead, prepare, use);
+  ParallelAhead(frames.size(), kAhead, prepare, use);
   return progress.StopRequested() ? Interrupted() : Ok();
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kPoses = {"track", "capture", "prior"};
 constexpr std::array<std::string_view, 3> kDetectSources = {"network", "file", "none"};
-constexpr std::array<std::string_view, 2> kDetectFrames = {"keyframes", "all"};
+constexpr std::array<std::string_view, 3> kDetectFrames = {"new", "keyframes", "all"};
 constexpr std::array<std::string_view, 2> kAssociationMethods = {kBySurface, "votes"};
 constexpr std::array<std::string_view, 2> kAppearances = {"measured", "class"};
 constexpr std::array<std::string_view, 3> kSurroundings = {"layout", "measured", "both"};
@@ -34,7 +34,10 @@ void Describe(OptionsVisitor& visitor, DetectStageOptions& options) {
                 "detector: name of a file in the data folder's weights/, or a path (ONNX); empty: "
                 "yolo11n-seg there, else yolov8s");
   visitor.Field("file", options.file, "COCO file of boxes and masks, for source file");
-  visitor.Choice("frames", options.frames, kDetectFrames, "frames the detector looks at");
+  visitor.Choice("frames",
+                 options.frames,
+                 kDetectFrames,
+                 "frames the detector looks at; new: keyframes that show something new");
 }
 
 void Describe(OptionsVisitor& visitor, ProposeStageOptions& options) {

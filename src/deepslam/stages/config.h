@@ -43,10 +43,10 @@ struct TrackStageOptions {
 };
 
 struct DetectStageOptions {
-  std::string source = "network";    // network | file | none
-  std::string weights;               // as FindWeights takes it
-  std::string file;                  // COCO file of source `file`
-  std::string frames = "keyframes";  // keyframes | all
+  std::string source = "network";  // network | file | none
+  std::string weights;             // as FindWeights takes it
+  std::string file;                // COCO file of source `file`
+  std::string frames = "new";      // new | keyframes | all
 };
 
 struct ProposeStageOptions {

@@ -73,6 +73,16 @@ Result<std::vector<Detection>> ReadFileDetections(const RunInputs& inputs,
                   coco->num_unusable));
 }
 
+// `which`: as the option detect.frames.
+Result<std::vector<FrameIdx>> FramesWanted(const detect::DetectionInputs& inputs,
+                                           const std::string& which,
+                                           Progress& progress) {
+  std::vector<FrameIdx> wanted =
+      detect::FramesToSearch(inputs.trajectory, inputs.given, which == "all");
+  if (which != "new") return wanted;
+  return detect::FramesOfNewSurface(inputs, wanted, progress);
+}
+
 // Numbered in the order of frames.
 artifact::DetectionTable TableOf(std::vector<detect::FrameDetections> found,
                                  std::span<const artifact::DetectedImage> images) {
@@ -111,17 +121,16 @@ Result<StageSummary> RunDetect(StageContext& context, const RunInputs& inputs) {
   const auto given = ReadFileDetections(inputs, images, context.progress());
   if (!given.ok()) return given.error();
   const Config& config = inputs.config;
-  const std::vector<FrameIdx> wanted =
-      detect::FramesToSearch(*trajectory, *given, config.detect_stage.frames == "all");
+  const detect::DetectionInputs looked{
+      *inputs.capture->frames, *trajectory, *ground, inputs.classes, *given};
+  const Result<std::vector<FrameIdx>> wanted =
+      FramesWanted(looked, config.detect_stage.frames, context.progress());
+  if (!wanted.ok()) return wanted.error();
   detect::DetectorLoader load;
   if (config.detect_stage.source == "network")
     load = [&](detect::Sides pictures) { return LoadDetector(inputs, pictures); };
-  Result<std::vector<detect::FrameDetections>> found =
-      detect::DetectFrames({*inputs.capture->frames, *trajectory, *ground, inputs.classes, *given},
-                           wanted,
-                           load,
-                           {config.detect, config.clusters},
-                           context.progress());
+  Result<std::vector<detect::FrameDetections>> found = detect::DetectFrames(
+      looked, *wanted, load, {config.detect, config.clusters}, context.progress());
   if (!found.ok()) return found.error();
   const artifact::DetectionTable table = TableOf(std::move(found).value(), images);
   const Status written = WriteEncoded(
