@@ -36,13 +36,6 @@ constexpr double kLargeM2 = 0.15;
 constexpr double kLongM = 0.4;           // the longest side, or the height, of a long one
 constexpr double kLargeOfLongM2 = 0.06;  // a rail of 0.4 m that is 0.15 m high
 
-const instances::FrameClaims& ClaimsOf(const Claims& claims,
-                                       const ThingInputs& inputs,
-                                       FrameIdx frame) {
-  const auto at = std::ranges::lower_bound(inputs.looked_at, frame);
-  return claims.frames[static_cast<std::size_t>(at - inputs.looked_at.begin())];
-}
-
 // Which thing each detection of a frame is of: the one that most of what it claims belongs to.
 std::vector<int> ThingsOfDetections(const instances::FrameClaims& claims,
                                     std::span<const Detection> detections,
@@ -61,6 +54,20 @@ std::vector<int> ThingsOfDetections(const instances::FrameClaims& claims,
     things.push_back(most == claimed.end() ? -1 : most->first);
   }
   return things;
+}
+
+// The same of a frame of the capture; none where no detector looked.
+std::vector<int> ThingsDetectedIn(FrameIdx frame,
+                                  const ThingInputs& inputs,
+                                  const Claims& claims,
+                                  const Superpoints& superpoints,
+                                  const std::vector<int>& thing_of_superpoint) {
+  const std::span<const Detection> detections = DetectionsOf(inputs, frame);
+  if (detections.empty()) return {};
+  const auto at = std::ranges::lower_bound(inputs.looked_at, frame);
+  if (at == inputs.looked_at.end() || *at != frame) return std::vector(detections.size(), -1);
+  const auto n = static_cast<std::size_t>(at - inputs.looked_at.begin());
+  return ThingsOfDetections(claims.frames[n], detections, superpoints, thing_of_superpoint);
 }
 
 std::vector<int> ThingsOfSuperpoints(const Superpoints& superpoints, const Instances& found) {
@@ -292,15 +299,12 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
   Tracks tracks(inputs, found);
   std::vector<Look> best;
   const auto look = [&](std::size_t, const Frame& frame) {
-    const std::span<const Detection> detections = DetectionsOf(inputs, frame.idx);
-    std::vector<int> thing_of_detection;
-    if (!detections.empty())
-      thing_of_detection = ThingsOfDetections(
-          ClaimsOf(*claims, inputs, frame.idx), detections, superpoints, thing_of_superpoint);
+    std::vector<int> thing_of_detection =
+        ThingsDetectedIn(frame.idx, inputs, *claims, superpoints, thing_of_superpoint);
     const Pose3 level_from_camera = LevelFromCamera(inputs, frame.idx);
     std::vector<Silhouette> silhouettes = instances::FindSilhouettes(
         divided,
-        ShownByMasks(detections, thing_of_detection, found, inputs.classes),
+        ShownByMasks(DetectionsOf(inputs, frame.idx), thing_of_detection, found, inputs.classes),
         frame.depth_m,
         inputs.frames.camera(),
         level_from_camera,
