@@ -126,10 +126,12 @@ TEST(WholesOf, WhatIsRejectedIsNobodysPart) {
 
 ClassTable Stands() {
   ClassTable table;
-  table.classes = {{"sink", {"sink"}, {}, 0.25, 1.5, 0.1, 1.1, {}, {.supports = {.wall = true}}},
-                   {"plant", {"potted plant"}, {}, 0.1, 2, 0.1, 2, {}, {.yaw_free = true}},
-                   {"table", {"table"}, {}, 0.4, 4, 0.3, 1.2, {}, {.support_plane = true}},
-                   {"tv", {"tv"}, {}, 0.4, 2, 0.2, 1.4, {}, {.supports = {.floor = false}}}};
+  table.classes = {
+      {"sink", {"sink"}, {}, 0.25, 1.5, 0.1, 1.1, {}, {.supports = {.wall = true}}},
+      {"plant", {"potted plant"}, {}, 0.1, 2, 0.1, 2, {}, {.yaw_free = true}},
+      {"vase", {"vase"}, {}, 0.1, 1, 0.1, 1, {}, {.yaw_free = true}},
+      {"table", {"table"}, {}, 0.4, 4, 0.3, 1.2, {}, {.support_plane = true, .yaw_free = true}},
+      {"tv", {"tv"}, {}, 0.4, 2, 0.2, 1.4, {}, {.supports = {.floor = false}}}};
   return table;
 }
 
@@ -157,6 +159,20 @@ TEST(CarriedByFeet, WhatMayStandOnFurnitureKeepsItApart) {
     const Instance above = Thing(name, true, {0, 0, 0.5, 0.9}, {0.5, 0.5});
     EXPECT_THAT(CarriedByFeet(std::vector{above, below}, Stands()), ElementsAre(-1, -1)) << name;
   }
+}
+
+TEST(CarriedByFeet, AVaseUnderAPlantIsItsPot) {
+  const Instance leaves = Thing("plant", true, {0, 0, 0.46, 1.14}, {0.6, 0.6});
+  const Instance vase = Thing("vase", true, {0.05, 0, 0, 0.32}, {0.26, 0.3});
+  EXPECT_THAT(CarriedByFeet(std::vector{leaves, vase}, Stands()), ElementsAre(-1, 0));
+  // On a table, beside it, under a basin, or a table under it.
+  const Instance on_table = Thing("vase", true, {0.05, 0, 0.3, 0.46}, {0.26, 0.3});
+  const Instance beside = Thing("vase", true, {0.5, 0, 0, 0.32}, {0.26, 0.3});
+  const Instance table = Thing("table", true, {0, 0, 0, 0.45}, {0.5, 0.5});
+  EXPECT_THAT(CarriedByFeet(std::vector{leaves, on_table, beside, table}, Stands()),
+              ElementsAre(-1, -1, -1, -1));
+  const Instance basin = Thing("sink", true, {0, 0, 0.46, 0.9}, {0.6, 0.6});
+  EXPECT_THAT(CarriedByFeet(std::vector{basin, vase}, Stands()), ElementsAre(-1, -1));
 }
 
 TEST(CarriedByFeet, NothingBecomesHigherThanItsClass) {

@@ -76,16 +76,27 @@ bool Carries(const Instance& leg, const Instance& table) {
   return SharedArea(OutlineOf(own), OutlineOf(top)) > kMinSharedOutline * OutlineOf(own).area_m2();
 }
 
+// Plants and vases: alike from all sides, and nothing is put on them.
+bool IsRound(const ClassTraits& traits) { return traits.yaw_free && !traits.support_plane; }
+
+// Whether a class may stand on such a foot: a thing that nothing names, or, under a plant, what
+// detections call a vase. On unnamed furniture plants stand as on a table.
+bool MayStandOn(const ClassTraits& traits, const Instance& foot, const ClassTable& classes) {
+  if (!traits.supports.floor || traits.support_plane) return false;
+  return foot.is_named ? IsRound(traits) && IsRound(classes.TraitsOf(foot.class_name))
+                       : !traits.yaw_free;
+}
+
 bool IsFootOf(const Instance& foot, const Instance& thing, const ClassTable& classes) {
   const ObjectClass* object_class = classes.Find(thing.class_name);
-  if (foot.is_named || !thing.is_named || !thing.rejection.empty() || object_class == nullptr)
+  if (!thing.is_named || !thing.rejection.empty() || object_class == nullptr ||
+      !MayStandOn(object_class->traits, foot, classes))
     return false;
-  const ClassTraits& traits = object_class->traits;
-  if (!traits.supports.floor || traits.support_plane || traits.yaw_free) return false;
   const UprightBox& own = foot.box_level;
   const UprightBox& above = thing.box_level;
+  const double max_gap_m = foot.is_named ? kMaxGapOfNamedM : kFootGapM;
   if (own.bottom_m > kOnFloorM || above.bottom_m < kFloatsM ||
-      above.top_m > object_class->max_height_m || std::abs(own.top_m - above.bottom_m) > kFootGapM)
+      above.top_m > object_class->max_height_m || std::abs(own.top_m - above.bottom_m) > max_gap_m)
     return false;
   return ShareOver(OutlineOf(above), OutlineOf(own)) > kFootShare;
 }
