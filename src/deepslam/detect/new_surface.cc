@@ -15,11 +15,11 @@ constexpr int kStridePx = 12;
 constexpr double kMaxDepthM = 5.0;
 // Of a unit vector's component: thirds of its range tell 26 directions, 45 degrees or so apart.
 constexpr double kThirds = 1.5;
-// Views of a cell from about one place after which another one tells nothing new: with two, tables
-// whose tops give no depth get no name in homes.
-constexpr int kNumViews = 3;
-// Of a frame's cells: with fewer new ones most of it was shown before.
-constexpr double kMinNewShare = 0.5;
+// Views of a cell from about one place after which another one tells nothing new.
+constexpr int kNumViews = 2;
+// Of a frame's cells. With half, redkitchen's table loses the edges that only masks show, and tables
+// of homes whose tops give no depth their names.
+constexpr double kMinNewShare = 0.3;
 
 std::uint64_t Coordinate(double p_m) {
   constexpr std::int64_t kOrigin = 1 << 15;  // cells: the middle of 16 bits

@@ -32,7 +32,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
     {"ground", 8, "track", "ground", kFrames | kGroundHint, RunGround},
     {"layout", 10, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
-     8,
+     9,
      "track ground",
      "detect detect.network detect.clusters",
      kFrames | kClasses | kDetector,
