@@ -110,6 +110,7 @@ TEST(BadInput, BehindAMirrorThereIsNoRoom) {
   ASSERT_EQ(layout.rooms.size(), 1U);
   EXPECT_NEAR(AreaOf(layout.rooms[0].polygon_m), 12, 0.4);
   for (const LayoutOpening& opening : layout.openings) EXPECT_EQ(opening.rooms.size(), 1U);
+  for (const LayoutWall& wall : layout.walls) EXPECT_LT(wall.from_m.x(), 2.2) << "an image";
 }
 
 TEST(BadInput, BehindAWindowThereIsNoRoom) {

@@ -259,6 +259,15 @@ double KnownShareOf(const LayoutWall& wall, const std::vector<LayoutWall>& other
   return static_cast<double>(num_known) / kPlaces;
 }
 
+void AddImages(const Outline& outer, BuiltLayout& built) {
+  for (const OutlineSide& side : outer) {
+    LayoutWall image;
+    image.from_m = side.from_m;
+    image.to_m = side.to_m;
+    built.images.push_back(std::move(image));
+  }
+}
+
 // Why a room is none, or empty.
 std::string WhyNot(const CoarseSurface& surface,
                    const CellComplex& complex,
@@ -318,6 +327,7 @@ void AddRooms(const CoarseSurface& surface,
       }
       if (std::string reason = WhyNot(surface, complex, *outer, over); !reason.empty()) {
         built.layout.notes.push_back(std::move(reason));
+        AddImages(*outer, built);
         continue;
       }
       room.note = "seen from outside only";
@@ -366,6 +376,7 @@ void AddLooseWalls(const CoarseSurface& surface, const CellComplex& complex, Bui
       if (wall.length_m() < kShortestLooseWall_m || wall.seen_share < 0.5) continue;
       if (surface.has_ground && wall.top_m < kLowestLooseWall_m) continue;
       if (KnownShareOf(wall, built.layout.walls) > kKnown) continue;
+      if (KnownShareOf(wall, built.images) > kKnown) continue;
       built.layout.walls.push_back(wall);
       built.layout.walls.back().confidence *= surface.has_ground ? 0.7 : 0.4;
       built.line_of_wall.push_back(line);

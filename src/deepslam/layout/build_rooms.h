@@ -13,6 +13,7 @@ namespace deepslam::layout {
 struct BuiltLayout {
   Layout layout;
   std::vector<std::size_t> line_of_wall;  // of the complex, one per wall
+  std::vector<LayoutWall> images;         // bounds of what mirrors show: no walls
 };
 
 // Adds rooms, and the walls around them, to a layout that has its levels. A room that no camera was

@@ -30,7 +30,7 @@ struct PlannedStage {
 constexpr std::array<PlannedStage, 15> kChain = {{
     {"track", 20, "", "track track.covisible track.join", kFrames, RunTrack},
     {"ground", 8, "track", "ground", kFrames | kGroundHint, RunGround},
-    {"layout", 10, "track ground", "layout layout.surface", kFrames, RunLayout},
+    {"layout", 11, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
      9,
      "track ground",
