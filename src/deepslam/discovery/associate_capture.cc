@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "deepslam/discovery/flush_with_wall.h"
@@ -24,13 +25,11 @@ Divided Divide(const CaptureInputs& inputs, std::vector<Segment> segments) {
   for (const FrameIdx frame : inputs.looked_at) {
     if (!is_elsewhere(frame)) divided.looked_at.push_back(frame);
   }
+  std::set<FrameIdx> wanted(divided.looked_at.begin(), divided.looked_at.end());
   for (const FrameIdx frame : inputs.trajectory.keyframes) {
-    if (!is_elsewhere(frame)) divided.wanted.push_back(frame);
+    if (!is_elsewhere(frame)) wanted.insert(frame);
   }
-  std::ranges::copy(divided.looked_at, std::back_inserter(divided.wanted));
-  std::ranges::sort(divided.wanted);
-  const auto [first, last] = std::ranges::unique(divided.wanted);
-  divided.wanted.erase(first, last);
+  divided.wanted.assign(wanted.begin(), wanted.end());
   for (const Detection& detection : inputs.detections) {
     if (!is_elsewhere(detection.frame)) divided.detections.push_back(detection);
   }

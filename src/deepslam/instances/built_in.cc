@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <utility>
 
-#include "deepslam/geometry/level_rectangle.h"
+#include "deepslam/instances/upright_box.h"
 
 namespace deepslam::instances {
 namespace {
@@ -19,49 +19,33 @@ constexpr double kBesideM = 0.3;
 constexpr double kShortestPieceM = 0.25;
 // Of what is under it, from its middle: counters are 0.65 m deep, and rows may go round corners.
 constexpr double kHalfDepthM = 0.5;
-constexpr double kOutermost = 0.02;  // share of a thing's elements that may stray at either end
 
 bool IsUnder(const UprightBox& host, const UprightBox& thing) {
   if (thing.top_m > host.top_m + kRimAboveM || thing.top_m < host.top_m - kRimBelowM ||
       thing.bottom_m < host.bottom_m + kLeastBelowM)
     return false;
-  const LevelRectangle outline{
-      host.centre_m, host.yaw_rad, host.length_m + 2 * kBesideM, host.width_m + 2 * kBesideM};
-  return outline.Contains(thing.centre_m);
+  return OutlineOf(host, kBesideM).Contains(thing.centre_m);
 }
 
-Eigen::Vector2d LongAxis(const UprightBox& box) {
-  const double yaw_rad =
-      box.length_m > box.width_m ? box.yaw_rad : box.yaw_rad + 0.5 * std::numbers::pi;
-  return {std::cos(yaw_rad), std::sin(yaw_rad)};
-}
-
-struct Span {
-  double from_m = 0;
-  double to_m = 0;
-};
-
-// Where these elements lie along an axis.
-Span SpanOf(const std::vector<int>& own,
-            const SurfaceElements& elements,
-            const Eigen::Vector2d& axis) {
+// Where these elements lie along an axis: from, to.
+std::pair<double, double> ExtentAlong(const Eigen::Vector2d& axis,
+                                      const std::vector<int>& own,
+                                      const SurfaceElements& elements) {
   std::vector<double> at_m;
   for (const int i : own) {
     const Eigen::Vector3f& p = elements.points()[static_cast<std::size_t>(i)];
     at_m.push_back(axis.dot(p.head<2>().cast<double>()));
   }
-  std::ranges::sort(at_m);
-  const auto outermost = static_cast<std::size_t>(kOutermost * static_cast<double>(at_m.size()));
-  return {at_m[outermost], at_m[at_m.size() - 1 - outermost]};
+  return ExtentOf(at_m);
 }
 
 BuiltInCut Cut(const Instance& host, const Instance& thing, const SurfaceElements& elements) {
-  const Eigen::Vector2d axis = LongAxis(host.box_level);
+  const Eigen::Vector2d axis = host.box_level.long_axis();
   const Eigen::Vector2d across(-axis.y(), axis.x());
-  const Span whole = SpanOf(host.elements, elements, axis);
-  Span under = SpanOf(thing.elements, elements, axis);
-  if (under.from_m - whole.from_m < kShortestPieceM) under.from_m = -HUGE_VAL;
-  if (whole.to_m - under.to_m < kShortestPieceM) under.to_m = HUGE_VAL;
+  const auto [begin_m, end_m] = ExtentAlong(axis, host.elements, elements);
+  auto [from_m, to_m] = ExtentAlong(axis, thing.elements, elements);
+  if (from_m - begin_m < kShortestPieceM) from_m = -HUGE_VAL;
+  if (end_m - to_m < kShortestPieceM) to_m = HUGE_VAL;
   BuiltInCut cut;
   std::vector<int> before;
   std::vector<int> behind;
@@ -70,7 +54,7 @@ BuiltInCut Cut(const Instance& host, const Instance& thing, const SurfaceElement
         elements.points()[static_cast<std::size_t>(i)].head<2>().cast<double>();
     const double at_m = axis.dot(p);
     const bool is_near = std::abs(across.dot(p - thing.box_level.centre_m)) < kHalfDepthM;
-    if (at_m >= under.from_m && at_m <= under.to_m && is_near)
+    if (at_m >= from_m && at_m <= to_m && is_near)
       cut.under.push_back(i);
     else
       (at_m < axis.dot(thing.box_level.centre_m) ? before : behind).push_back(i);

@@ -16,7 +16,7 @@ namespace deepslam::instances {
 struct BuiltInCut {
   std::size_t host = 0;                  // index of the instance that is cut
   std::vector<int> under;                // its elements that become the built-in thing's
-  std::vector<std::vector<int>> beside;  // the rest, none of it shorter than a piece of furniture
+  std::vector<std::vector<int>> beside;  // the rest of it, on either side
 };
 
 // The first thing that the instance `built_in` is built into: nothing where its class is never

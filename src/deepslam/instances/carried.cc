@@ -24,18 +24,14 @@ constexpr double kLowestTopM = 0.75;
 constexpr double kHighestTopM = 1.2;  // bar counters are 1.1 m high
 constexpr double kLongestLoadM = 1;   // longer ones are tops themselves
 
-LevelRectangle FootprintOf(const UprightBox& box) {
-  return {box.centre_m, box.yaw_rad, box.length_m, box.width_m};
-}
-
-double VolumeOf(const UprightBox& box) { return FootprintOf(box).area_m2() * box.height_m(); }
+double VolumeOf(const UprightBox& box) { return OutlineOf(box).area_m2() * box.height_m(); }
 
 bool RestsOn(const UprightBox& thing, const UprightBox& other) {
   const double above_m = thing.bottom_m - other.top_m;
   if (above_m > kMaxGapBelowM || above_m < -kMaxSinkM || VolumeOf(other) < VolumeOf(thing))
     return false;
-  const LevelRectangle outline = FootprintOf(thing);
-  return SharedArea(outline, FootprintOf(other)) > kMinShareOver * outline.area_m2();
+  const LevelRectangle outline = OutlineOf(thing);
+  return SharedArea(outline, OutlineOf(other)) > kMinShareOver * outline.area_m2();
 }
 
 bool BeginsAtTops(const UprightBox& thing) {

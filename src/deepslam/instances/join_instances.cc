@@ -31,7 +31,7 @@ constexpr double kSlimM = 0.2;
 constexpr double kHiddenEndM = 0.2;
 constexpr double kAboveTopM = 0.03;  // noise
 
-LevelRectangle OutlineOf(const UprightBox& box) {
+LevelRectangle ThickOutlineOf(const UprightBox& box) {
   return {box.centre_m, box.yaw_rad, std::max(box.length_m, kFlatM), std::max(box.width_m, kFlatM)};
 }
 
@@ -48,7 +48,7 @@ double SharedHeight(const UprightBox& a, const UprightBox& b) {
 }
 
 double Volume(const UprightBox& box) {
-  return OutlineOf(box).area_m2() * std::max(box.height_m(), kFlatM);
+  return ThickOutlineOf(box).area_m2() * std::max(box.height_m(), kFlatM);
 }
 
 // Of a part's outline, over or under another outline that is larger by kEdgeM on all sides.
@@ -60,8 +60,8 @@ double ShareOver(LevelRectangle outline, const LevelRectangle& part) {
 
 // The one with the smaller outline lies over or under the other one.
 bool LiesOver(const UprightBox& a, const UprightBox& b) {
-  LevelRectangle larger = OutlineOf(a);
-  LevelRectangle smaller = OutlineOf(b);
+  LevelRectangle larger = ThickOutlineOf(a);
+  LevelRectangle smaller = ThickOutlineOf(b);
   if (larger.area_m2() < smaller.area_m2()) std::swap(larger, smaller);
   return ShareOver(larger, smaller) > kMinSharedOutline;
 }
@@ -73,7 +73,8 @@ bool Carries(const Instance& leg, const Instance& table) {
       own.long_side_m() > kSlimM || own.top_m > top.top_m + kAboveTopM ||
       own.top_m < top.top_m - kHiddenEndM)
     return false;
-  return SharedArea(OutlineOf(own), OutlineOf(top)) > kMinSharedOutline * OutlineOf(own).area_m2();
+  return SharedArea(ThickOutlineOf(own), ThickOutlineOf(top)) >
+         kMinSharedOutline * ThickOutlineOf(own).area_m2();
 }
 
 // Plants and vases: alike from all sides, and nothing is put on them.
@@ -98,7 +99,7 @@ bool IsFootOf(const Instance& foot, const Instance& thing, const ClassTable& cla
   if (own.bottom_m > kOnFloorM || above.bottom_m < kFloatsM ||
       above.top_m > object_class->max_height_m || std::abs(own.top_m - above.bottom_m) > max_gap_m)
     return false;
-  return ShareOver(OutlineOf(above), OutlineOf(own)) > kFootShare;
+  return ShareOver(ThickOutlineOf(above), ThickOutlineOf(own)) > kFootShare;
 }
 
 bool AreBoards(const Instance& a, const Instance& b) {
@@ -107,8 +108,9 @@ bool AreBoards(const Instance& a, const Instance& b) {
   if (a.is_named || b.is_named || SharedHeight(box_a, box_b) <= -kMaxGapM ||
       std::min(box_a.short_side_m(), box_b.short_side_m()) < kBoardDepthM)
     return false;
-  const double shared_m2 = SharedArea(OutlineOf(box_a), OutlineOf(box_b));
-  const double all_m2 = OutlineOf(box_a).area_m2() + OutlineOf(box_b).area_m2() - shared_m2;
+  const double shared_m2 = SharedArea(ThickOutlineOf(box_a), ThickOutlineOf(box_b));
+  const double all_m2 =
+      ThickOutlineOf(box_a).area_m2() + ThickOutlineOf(box_b).area_m2() - shared_m2;
   return shared_m2 > kMinOutlineIou * all_m2;
 }
 
@@ -118,7 +120,7 @@ bool AreOneThing(const Instance& a, const Instance& b) {
   if (!may_be_alike || !a.rejection.empty() || !b.rejection.empty()) return false;
   const UprightBox& box_a = a.box_level;
   const UprightBox& box_b = b.box_level;
-  const double shared_m2 = SharedArea(OutlineOf(box_a), OutlineOf(box_b));
+  const double shared_m2 = SharedArea(ThickOutlineOf(box_a), ThickOutlineOf(box_b));
   const double height_m = SharedHeight(box_a, box_b);
   if (height_m * shared_m2 > kMinSharedVolume * std::min(Volume(box_a), Volume(box_b))) return true;
   return a.is_named && b.is_named && height_m > -kMaxGapOfNamedM && LiesOver(box_a, box_b);

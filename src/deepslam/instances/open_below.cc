@@ -77,8 +77,7 @@ double CoveredShare(std::span<const int> own,
 double FloorShare(const UprightBox& box,
                   const SurfaceElements& elements,
                   const Superpoints& superpoints) {
-  const LevelRectangle inner{
-      box.centre_m, box.yaw_rad, box.length_m - 2 * kInsetM, box.width_m - 2 * kInsetM};
+  const LevelRectangle inner = OutlineOf(box, -kInsetM);
   if (inner.length_m <= 0 || inner.width_m <= 0) return 0;
   std::size_t num_floor = 0;
   for (std::size_t i = 0; i < elements.size(); ++i) {

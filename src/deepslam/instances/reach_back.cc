@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 
 #include "deepslam/core/angles.h"
 #include "deepslam/instances/wall_axes.h"
@@ -36,10 +35,7 @@ struct ByWall {
 std::optional<ByWall> PlaceBy(const LayoutWall& wall, const UprightBox& box) {
   const std::optional<WallAxes> axes = AxesOf(wall);
   if (!axes) return std::nullopt;
-  const double yaw_rad =
-      box.length_m > box.width_m ? box.yaw_rad : box.yaw_rad + 0.5 * std::numbers::pi;
-  const Eigen::Vector2d long_side(std::cos(yaw_rad), std::sin(yaw_rad));
-  if (std::abs(long_side.dot(axes->along)) < kAlongWall) return std::nullopt;
+  if (std::abs(box.long_axis().dot(axes->along)) < kAlongWall) return std::nullopt;
   const OnWall middle = axes->Place(box.centre_m);
   const ByWall place{*axes,
                      middle.along_m - 0.5 * box.long_side_m(),

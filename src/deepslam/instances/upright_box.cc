@@ -16,7 +16,18 @@ constexpr double kLeftOutShare = 0.01;  // of the points, at either end of a sid
 // A flat set of points has a least rectangle as well.
 constexpr double kAddedToSidesM = 0.02;
 
-std::pair<double, double> Extent(std::vector<double>& values) {
+}  // namespace
+
+Eigen::Vector2d UprightBox::long_axis() const {
+  const double turned_rad = length_m > width_m ? yaw_rad : yaw_rad + 0.5 * std::numbers::pi;
+  return {std::cos(turned_rad), std::sin(turned_rad)};
+}
+
+LevelRectangle OutlineOf(const UprightBox& box, double margin_m) {
+  return {box.centre_m, box.yaw_rad, box.length_m + 2 * margin_m, box.width_m + 2 * margin_m};
+}
+
+std::pair<double, double> ExtentOf(std::vector<double>& values) {
   const auto left_out =
       static_cast<std::ptrdiff_t>(kLeftOutShare * static_cast<double>(values.size() - 1));
   const auto low = values.begin() + left_out;
@@ -26,8 +37,6 @@ std::pair<double, double> Extent(std::vector<double>& values) {
   std::nth_element(values.begin(), high, values.end());
   return {lowest, *high};
 }
-
-}  // namespace
 
 UprightBox BoxOf(std::span<const Eigen::Vector3f> points) {
   UprightBox best;
@@ -41,7 +50,7 @@ UprightBox BoxOf(std::span<const Eigen::Vector3f> points) {
     const auto extent = [&](const Eigen::Vector2d& axis) {
       for (std::size_t i = 0; i < points.size(); ++i)
         along[i] = axis.dot(points[i].head<2>().cast<double>());
-      return Extent(along);
+      return ExtentOf(along);
     };
     const auto [x_low, x_high] = extent(x_axis);
     const auto [y_low, y_high] = extent(y_axis);
@@ -54,7 +63,7 @@ UprightBox BoxOf(std::span<const Eigen::Vector3f> points) {
     best.centre_m = 0.5 * (x_low + x_high) * x_axis + 0.5 * (y_low + y_high) * y_axis;
   }
   for (std::size_t i = 0; i < points.size(); ++i) along[i] = points[i].z();
-  std::tie(best.bottom_m, best.top_m) = Extent(along);
+  std::tie(best.bottom_m, best.top_m) = ExtentOf(along);
   return best;
 }
 

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <span>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Core>
+
+#include "deepslam/geometry/level_rectangle.h"
 
 namespace deepslam::instances {
 
@@ -20,7 +24,15 @@ struct UprightBox {
   [[nodiscard]] double long_side_m() const { return length_m > width_m ? length_m : width_m; }
   [[nodiscard]] double short_side_m() const { return length_m > width_m ? width_m : length_m; }
   [[nodiscard]] double height_m() const { return top_m - bottom_m; }
+  // Along the longer side.
+  [[nodiscard]] Eigen::Vector2d long_axis() const;
 };
+
+// The box seen from above, larger on all sides by a margin, or smaller where that is negative.
+[[nodiscard]] LevelRectangle OutlineOf(const UprightBox& box, double margin_m = 0);
+
+// Lowest and highest but for one in a hundred at either end. Of one value at least; reorders them.
+[[nodiscard]] std::pair<double, double> ExtentOf(std::vector<double>& values);
 
 // All sides leave out one point in a hundred at either end, so that single wrong points do not set
 // them. All zero without points.
