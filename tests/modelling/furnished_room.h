@@ -307,7 +307,7 @@ class ModelledRoom {
   [[nodiscard]] Result<Selection> Select(const ObjectOptions& options = {}) {
     const FrameViews views = Views();
     const ObjectSources sources{views, models, prepared, progress};
-    auto placed = RegisterObjects(Objects(), proposals, sources, options.registration);
+    auto placed = RegisterObjects(Objects(), proposals, sources, options);
     if (!placed.ok()) return placed.error();
     registrations = std::move(placed).value();
     return SelectObjects(Objects(), {proposals, registrations}, sources, options);

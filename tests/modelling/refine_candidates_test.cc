@@ -78,7 +78,7 @@ class RefineTheWinner : public testing::Test {
   void AddRegistered(const VoxelGrid& grid) {
     AddAt(grid, world_.world_from_object());
     set_.registrations.back() =
-        RegisterAll(std::span(set_.candidates).last(1), set_.models, views_, {})[0];
+        RegisterAll(std::span(set_.candidates).last(1), set_.models, views_, "chair", {})[0];
   }
 
   [[nodiscard]] MapObject Selected() const {

@@ -130,6 +130,25 @@ TEST_F(FrontOfBox, OfAThinThingIsAWideSide) {
   }
 }
 
+TEST_F(FrontOfBox, InACornerIsALongSide) {
+  for (const int deep : {0, 1}) {
+    layout_.walls.clear();
+    box_.size_m = {0.5, 0.5, 0.9};
+    box_.size_m[deep] = 0.65;
+    PutWallAt(2);
+    PutWallAt(3);
+    SeeFrom({deep == 0 ? 5.0 : 85.0, 45});  // more of it from the narrow side
+    EXPECT_EQ(FrontSide(), 1 - deep);
+  }
+}
+
+TEST_F(FrontOfBox, IsANarrowSideWhereTheBackAloneStandsAtAWall) {
+  box_.size_m = {0.7, 0.4, 0.8};  // as toilets are
+  PutWallAt(2);
+  SeeFrom({30, 60});
+  EXPECT_EQ(FrontSide(), 0);
+}
+
 TEST_F(FrontOfBox, IsBeforeItsHighBackFromWhereverItIsSeen) {
   SeeFrom({180, 200});
   turns_from_high_back_ = 0;

@@ -209,6 +209,35 @@ TEST(RegisterShape, AShapeStaysAsItsSourceMeasuredIt) {
               PoseNear(world.world_from_object().RigidPart(), kPositionTolerance, kAngleTolerance));
 }
 
+// The same block, seen from its left alone: its back turns to the wall, wherever that stands.
+TEST(RegisterShape, ABlockTurnsItsBackToTheWallItStandsAt) {
+  const double yaw_rad = 0.7;
+  const FurnitureWorld world(testing_support::BlockGrid(), 0.9, yaw_rad);
+  const double left_rad = yaw_rad + 0.5 * std::numbers::pi;
+  const std::vector<ObjectView> views = world.Views(Around(5, left_rad - 0.2, left_rad + 0.2));
+  const auto front_along = [&](const Layout& layout, double azimuth_rad) {
+    const CandidateRegistration result = RegisterCandidate(
+        CandidateFor(0.8, 1.0, 0.9), world.model(), views, RegisterOptions(), &layout);
+    EXPECT_TRUE(result.ok) << result.reason;
+    return (result.world_from_object.rotation * Eigen::Vector3d::UnitX())
+        .dot(Eigen::Vector3d(std::cos(azimuth_rad), std::sin(azimuth_rad), 0));
+  };
+  const Eigen::Vector2d middle_m = world.world_from_object().translation_m.head<2>();
+  for (const double azimuth_rad : {yaw_rad, yaw_rad + std::numbers::pi}) {
+    const Eigen::Vector2d front(std::cos(azimuth_rad), std::sin(azimuth_rad));
+    const Eigen::Vector2d along(front.y(), -front.x());  // with the room on its left
+    const Eigen::Vector2d foot_m =
+        middle_m - (0.25 * world.world_from_object().scale + 0.03) * front;
+    LayoutWall wall;
+    wall.from_m = foot_m - 2 * along;
+    wall.to_m = foot_m + 2 * along;
+    wall.top_m = 2.5;
+    Layout layout;
+    layout.walls.push_back(wall);
+    EXPECT_GT(front_along(layout, azimuth_rad), 0.95);
+  }
+}
+
 TEST(RegisterShape, IsSearchedForWhereItsSourcesPlaceShowsNothingOfIt) {
   const FurnitureWorld world(testing_support::ChairGrid(), 0.9);
   const std::vector<ObjectView> views = world.Views(Around(6, 0, 3));

@@ -41,20 +41,20 @@ MapObject WithConfidence(const CandidateSet& set, MapObject object) {
   return object;
 }
 
+// The room for what has a front.
+const Layout* LayoutForFront(std::string_view class_name, const ObjectOptions& options) {
+  const bool has_front =
+      options.classes == nullptr || !options.classes->TraitsOf(class_name).yaw_free;
+  return has_front ? options.layout : nullptr;
+}
+
 // By the walls that the placed model's box stands at.
 double FrontBlockedOf(const shape::ShapeModel& model,
                       const CandidateRegistration& registration,
                       const Layout& layout) {
   if (!registration.ok || model.empty()) return 0;
-  const Eigen::Vector3d low = model.box_min().cast<double>();
-  const Eigen::Vector3d high = model.box_max().cast<double>();
-  Pose3 world_from_box = registration.world_from_object;
-  world_from_box.translation_m =
-      world_from_box * Eigen::Vector3d(0.5 * registration.scale_m * (low + high));
   return FrontBlocked(
-      FindSidesAtWalls(
-          layout, layout.level_from_tracking * world_from_box, registration.scale_m * (high - low)),
-      0);
+      layout, Similarity3::From(registration.world_from_object, registration.scale_m), model.box());
 }
 
 // The candidate's model, which no other candidate has, turned in its own frame; the surface stays
@@ -152,21 +152,24 @@ void NumberFrom(int first_id, Proposals& proposals) {
 std::vector<CandidateRegistration> RegisterAll(std::span<const ShapeCandidate> candidates,
                                                const ModelMap& models,
                                                std::span<const ObjectView> views,
-                                               const registration::RegisterOptions& options) {
+                                               std::string_view class_name,
+                                               const ObjectOptions& options) {
   const auto prepared = registration::PrepareForRegistration(views);
+  const Layout* const layout = LayoutForFront(class_name, options);
   std::vector<CandidateRegistration> registrations(candidates.size());
   ParallelFor(candidates.size(), [&](std::size_t i) {
-    registrations[i] = registration::RegisterCandidate(
-        candidates[i], *models.at(candidates[i].model), std::span(prepared), options);
+    registrations[i] = registration::RegisterCandidate(candidates[i],
+                                                       *models.at(candidates[i].model),
+                                                       std::span(prepared),
+                                                       options.registration,
+                                                       layout);
   });
   return registrations;
 }
 
 void ScoreAll(std::span<const ObjectView> views, const ObjectOptions& options, CandidateSet& set) {
   if (set.scored_views.empty()) set.scored_views = select::PrepareForScoring(views);
-  const bool asks_for_front =
-      options.layout != nullptr &&
-      (options.classes == nullptr || !options.classes->TraitsOf(set.class_name).yaw_free);
+  const Layout* const layout = LayoutForFront(set.class_name, options);
   const std::size_t first = set.scores.size();
   set.scores.resize(set.candidates.size());
   ParallelFor(set.candidates.size() - first, [&](std::size_t n) {
@@ -177,8 +180,8 @@ void ScoreAll(std::span<const ObjectView> views, const ObjectOptions& options, C
                                            set.registrations[i],
                                            std::span(std::as_const(set.scored_views)),
                                            options.select);
-    if (asks_for_front)
-      set.scores[i].front_blocked = FrontBlockedOf(model, set.registrations[i], *options.layout);
+    if (layout != nullptr)
+      set.scores[i].front_blocked = FrontBlockedOf(model, set.registrations[i], *layout);
   });
 }
 
@@ -189,7 +192,7 @@ void AddCandidates(Proposals& made,
                    CandidateSet& set) {
   set.models.merge(PrepareModels(made.models, prepared));
   std::vector<CandidateRegistration> registrations =
-      RegisterAll(made.candidates, set.models, views, options.registration);
+      RegisterAll(made.candidates, set.models, views, set.class_name, options);
   for (std::size_t n = 0; n < made.candidates.size(); ++n) {
     set.candidates.push_back(made.candidates[n]);
     set.registrations.push_back(std::move(registrations[n]));

@@ -36,12 +36,13 @@ void Append(Proposals more, Proposals& all);
 // The first number that no candidate has.
 [[nodiscard]] int NextId(const Proposals& proposals);
 
-// One registration per candidate, in parallel.
+// One registration per candidate of an object of the class, in parallel.
 [[nodiscard]] std::vector<CandidateRegistration> RegisterAll(
     std::span<const ShapeCandidate> candidates,
     const ModelMap& models,
     std::span<const ObjectView> views,
-    const registration::RegisterOptions& options);
+    std::string_view class_name,
+    const ObjectOptions& options);
 
 // The vectors run in parallel but for the views' own; scores may be behind.
 struct CandidateSet {

@@ -8,17 +8,16 @@
 
 namespace deepslam::modelling {
 
-Result<std::vector<CandidateRegistration>> RegisterObjects(
-    const TrackedObjects& objects,
-    const Proposals& proposals,
-    const ObjectSources& sources,
-    const registration::RegisterOptions& options) {
+Result<std::vector<CandidateRegistration>> RegisterObjects(const TrackedObjects& objects,
+                                                           const Proposals& proposals,
+                                                           const ObjectSources& sources,
+                                                           const ObjectOptions& options) {
   using Registrations = std::vector<CandidateRegistration>;
   const auto register_all = [&](const TrackViews& of_track) -> Result<Registrations> {
     const std::vector<ShapeCandidate> candidates = CandidatesOf(proposals, of_track.track->id);
     const Result<ModelMap> models = LoadModels(candidates, sources.models, sources.prepared);
     if (!models.ok()) return models.error();
-    return RegisterAll(candidates, *models, of_track.views, options);
+    return RegisterAll(candidates, *models, of_track.views, of_track.track->class_name, options);
   };
   Registrations registrations;
   const auto append = [&](const TrackViews&, Registrations found) {

@@ -16,6 +16,6 @@ namespace deepslam::modelling {
     const TrackedObjects& objects,
     const Proposals& proposals,
     const ObjectSources& sources,
-    const registration::RegisterOptions& options);
+    const ObjectOptions& options);
 
 }  // namespace deepslam::modelling

@@ -41,7 +41,7 @@ Result<CandidateSet> ScoredBy(const NewViews& now,
       set.candidates, closing.sources.models, closing.sources.prepared, world.made.models);
   if (!models.ok()) return models.error();
   set.models = std::move(models).value();
-  set.registrations = RegisterAll(set.candidates, set.models, now.views, options.registration);
+  set.registrations = RegisterAll(set.candidates, set.models, now.views, set.class_name, options);
   ScoreAll(now.views, options, set);
   if (options.refinement.complete) {
     Proposals completed =

@@ -20,7 +20,8 @@ struct FrontEvidence {
 
 // Quarter turns, counter-clockwise seen from above, that bring the front to +x of a grid along the
 // box. The front of a thin thing is a wide side; a high back stands behind; of what is left
-// furniture turns its back to the wall it stands at, and its front to where it is seen from.
+// furniture is wider than deep, turns its back to the wall it stands at, and its front to where it
+// is seen from.
 [[nodiscard]] int QuarterTurnsToFront(const LevelBox& box,
                                       const Pose3& level_from_world,
                                       const FrontEvidence& evidence);

@@ -166,7 +166,9 @@ Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) con
   const ShapePrior& prior = *found->second;
   const bool by_depth = channels_ == InputChannels::kColourAndDepth;
   const int num_read = std::max(NetworkOptions::kReadViews, options_.max_views);
-  const MeasuredDepth measured = by_depth ? MeasureDepth(object, num_read) : MeasuredDepth();
+  const bool has_front = !classes_.TraitsOf(object.class_name).yaw_free;
+  const MeasuredDepth measured =
+      by_depth ? MeasureDepth(object, has_front, num_read) : MeasuredDepth();
   const Extent extent = MeasureExtent(measured.cloud);
   std::vector<PriorEncoding> encodings;
   std::vector<const ObjectView*> encoded;

@@ -1,16 +1,35 @@
 #include "deepslam/propose/place_shape.h"
 
+#include <algorithm>
 #include <numbers>
 
 #include "deepslam/core/every_nth.h"
 #include "deepslam/propose/depth_evidence.h"
+#include "deepslam/scene/sides_at_walls.h"
 
 namespace deepslam::propose {
 namespace {
 
 constexpr std::size_t kFitPoints = 250;  // for seven unknowns; time is proportional to them
-constexpr int kNumYaws = 12;           // Gauss-Newton turns by up to half a step from there
+constexpr int kNumYaws = 12;             // Gauss-Newton turns by up to half a step from there
 constexpr double kTolerance_m = 0.03;  // of designs that are like the object, not the object itself
+
+// Taken from the agreement of a front turned to a wall: depth hardly tells the sides of closed
+// furniture apart.
+constexpr double kBlockedPenalty = 0.05;
+
+double BlockedPenalty(const Placement& placement, const MeasuredDepth& measured) {
+  if (measured.layout == nullptr) return 0;
+  const Pose3 level_from_box(
+      Eigen::Quaterniond(Eigen::AngleAxisd(placement.yaw_rad, Eigen::Vector3d::UnitZ())),
+      {placement.center_m.x(),
+       placement.center_m.y(),
+       placement.bottom_m + 0.5 * placement.size_m.z()});
+  const Pose3 world_from_box = measured.cloud.level_from_world.Inverse() * level_from_box;
+  const SidesAtWalls at_walls = FindSidesAtWalls(
+      *measured.layout, measured.layout->level_from_tracking * world_from_box, placement.size_m);
+  return kBlockedPenalty * FrontBlocked(at_walls, 0);
+}
 
 PlacedShape Descend(const CoarseShape& shape,
                     const Placement& start,
@@ -25,14 +44,17 @@ PlacedShape Descend(const CoarseShape& shape,
   placed.placement = RefinePlacement(shape, start, believed_size_m, measured.fit_points, terms);
   placed.placement.size_m = placed.placement.size_m.cwiseMax(limits.stretch_min * believed_size_m)
                                 .cwiseMin(limits.stretch_max * believed_size_m);
-  placed.score = ScorePlaced(shape, placed.placement, measured, to_beat);
+  const double penalty = BlockedPenalty(placed.placement, measured);
+  placed.score =
+      std::max(0.0, ScorePlaced(shape, placed.placement, measured, to_beat + penalty) - penalty);
   return placed;
 }
 
 }  // namespace
 
-MeasuredDepth MeasureDepth(const ObjectObservations& object, int max_views) {
+MeasuredDepth MeasureDepth(const ObjectObservations& object, bool has_front, int max_views) {
   MeasuredDepth measured;
+  if (has_front) measured.layout = object.layout;
   measured.cloud = CloudOf(object);
   if (measured.cloud.points.empty()) return measured;
   measured.fit_points = EvenlySpaced(measured.cloud.points, kFitPoints);

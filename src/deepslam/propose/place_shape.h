@@ -9,6 +9,7 @@
 #include "deepslam/propose/coarse_shape.h"
 #include "deepslam/propose/fit_model.h"
 #include "deepslam/propose/level_cloud.h"
+#include "deepslam/scene/layout.h"
 #include "deepslam/shape/depth_view.h"
 
 namespace deepslam::propose {
@@ -19,12 +20,16 @@ struct MeasuredDepth {
   std::vector<Eigen::Vector3f> fit_points;  // some of the cloud's, level frame
   std::vector<shape::DepthView> views;
   std::vector<LevelBox> boxes;  // at a dozen yaws, the first along the smallest footprint
+  // The room, along the path of the views; none where it is not known or the thing has no front.
+  const Layout* layout = nullptr;
 
   [[nodiscard]] bool empty() const { return fit_points.empty() || views.empty(); }
 };
 
 // At most `max_views` of the object's views are prepared, best supported and spread first.
-[[nodiscard]] MeasuredDepth MeasureDepth(const ObjectObservations& object, int max_views);
+[[nodiscard]] MeasuredDepth MeasureDepth(const ObjectObservations& object,
+                                         bool has_front,
+                                         int max_views);
 
 struct PlaceLimits {
   double stretch_min = 0.7;  // factors along each axis relative to the expected size ...
@@ -33,7 +38,8 @@ struct PlaceLimits {
 };
 
 struct PlacedShape {
-  double score = 0;  // agreement in [0, 1], ScorePlacement; 0: nothing agrees
+  // Agreement in [0, 1], ScorePlacement, less what a front at a wall costs; 0: nothing agrees.
+  double score = 0;
   Placement placement;
 };
 

@@ -278,7 +278,8 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
   const bool by_depth = channels_ == InputChannels::kColourAndDepth;
   Measured measured;
   if (by_depth) {
-    measured.depth = MeasureDepth(object, RetrievalOptions::kMaxViews);
+    measured.depth = MeasureDepth(
+        object, !classes_.TraitsOf(object.class_name).yaw_free, RetrievalOptions::kMaxViews);
   } else {
     measured = MeasureSilhouettes(object.views, RetrievalOptions::kMaxViews);
   }

@@ -1,6 +1,7 @@
 #include "deepslam/registration/register_shape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include "deepslam/registration/refine_pose.h"
 #include "deepslam/registration/similarity_icp.h"
 #include "deepslam/registration/world_hypotheses.h"
+#include "deepslam/scene/sides_at_walls.h"
 #include "deepslam/scene/voxel_grid.h"
 
 namespace deepslam::registration {
@@ -35,11 +37,12 @@ using ViewPointers = std::vector<const MeasuredView*>;
 
 bool IsSize(double size_m) { return std::isfinite(size_m) && size_m > 0; }
 
-PlacementPrior PriorOf(const ShapeCandidate& candidate) {
+PlacementPrior PriorOf(const ShapeCandidate& candidate, const Layout* layout = nullptr) {
   double min_size = IsSize(candidate.min_size_m) ? candidate.min_size_m : kMinFurniture_m;
   double max_size = IsSize(candidate.max_size_m) ? candidate.max_size_m : kMaxFurniture_m;
   if (min_size > max_size) std::swap(min_size, max_size);
-  PlacementPrior prior{min_size / kModelExtent, max_size / kModelExtent, 0};
+  PlacementPrior prior{min_size / kModelExtent, max_size / kModelExtent};
+  prior.layout = layout;
   if (IsSize(candidate.size_m)) {
     prior.expected_m = std::clamp(candidate.size_m / kModelExtent, prior.min_m, prior.max_m);
   }
@@ -97,11 +100,31 @@ Similarity3 TurnedRound(const Similarity3& world_from_object, const ViewPointers
   return turned;
 }
 
-// The best world hypothesis, or the same turned round, refined over all views with its scale.
+// Where it stands, by quarter turns about its box's middle: depth hardly tells the sides of a
+// nightstand apart, and moments find but one of them.
+std::array<Similarity3, 3> QuarterTurned(const shape::ShapeModel& model,
+                                         const Similarity3& world_from_object) {
+  std::array<Similarity3, 3> all;
+  all.fill(world_from_object);
+  const Eigen::Vector3d middle_world =
+      world_from_object * Eigen::Vector3d(model.box().center().cast<double>());
+  for (int n = 0; n < 3; ++n) {
+    Similarity3& turned = all[static_cast<std::size_t>(n)];
+    turned.rotation = turned.rotation *
+                      Eigen::AngleAxisd(0.5 * std::numbers::pi * (n + 1), Eigen::Vector3d::UnitZ());
+    turned.translation_m +=
+        middle_world - turned * Eigen::Vector3d(model.box().center().cast<double>());
+  }
+  return all;
+}
+
+// The best world hypothesis, or the same turned round, or away from a wall, refined over all views
+// with its scale.
 Similarity3 JointPose(const shape::ShapeModel& model,
                       VisibleSurface& visible,
                       const ViewPointers& views,
                       const std::vector<WorldHypothesis>& hypotheses,
+                      const Layout* layout,
                       const SimilarityIcpOptions& options) {
   SimilarityIcpOptions coarse = options;
   coarse.ground_firm = RegisterOptions::kGroundSigma_m > 0;
@@ -117,13 +140,18 @@ Similarity3 JointPose(const shape::ShapeModel& model,
     const Similarity3 refined = AlignShape(model, visible, views, world_from_object, coarse);
     const double disagreement =
         Disagreement(model, visible, views, refined, options.end_radius_m, coarse.point_stride) +
-        BackShownCost(refined, views);
+        FacingCost(model, refined, views, layout);
     if (disagreement >= least) return;
     least = disagreement;
     best = refined;
   };
   for (const WorldHypothesis& hypothesis : hypotheses) attempt(hypothesis.world_from_object);
   attempt(TurnedRound(best, views));
+  if (layout != nullptr && FrontBlocked(*layout, best, model.box()) > 0) {
+    for (const Similarity3& turned : QuarterTurned(model, best)) {
+      if (FrontBlocked(*layout, turned, model.box()) == 0) attempt(turned);
+    }
+  }
   SimilarityIcpOptions fine = options;
   fine.start_radius_m = 0.5 * (options.start_radius_m + options.end_radius_m);
   return AlignShape(model, visible, views, best, fine);
@@ -148,7 +176,7 @@ std::optional<JointPlacement> PlaceJointly(const shape::ShapeModel& model,
     const std::vector<WorldHypothesis> hypotheses = FindHypotheses(model, visible, views, prior);
     if (hypotheses.empty()) return std::nullopt;
     const SimilarityIcpOptions icp = JointOptions(prior, views.front()->ground_world.has_value());
-    const Similarity3 joint = JointPose(model, visible, views, hypotheses, icp);
+    const Similarity3 joint = JointPose(model, visible, views, hypotheses, prior.layout, icp);
     const double disagreement =
         Disagreement(model, visible, views, joint, RegisterOptions::kFineRadius_m, 2);
     if (best && disagreement > kAirborneRatio * least) continue;
@@ -282,14 +310,16 @@ std::vector<MeasuredView> PrepareForRegistration(std::span<const ObjectView> vie
 CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
                                         const shape::ShapeModel& model,
                                         std::span<const ObjectView> views,
-                                        const RegisterOptions& options) {
-  return RegisterCandidate(candidate, model, PrepareForRegistration(views), options);
+                                        const RegisterOptions& options,
+                                        const Layout* layout) {
+  return RegisterCandidate(candidate, model, PrepareForRegistration(views), options, layout);
 }
 
 CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
                                         const shape::ShapeModel& model,
                                         std::span<const MeasuredView> views,
-                                        const RegisterOptions& options) {
+                                        const RegisterOptions& options,
+                                        const Layout* layout) {
   if (model.empty()) return NotRegistered(candidate, views, "the model is empty");
   const ViewPointers usable = ViewsForJointPose(views);
   if (usable.empty()) return NotRegistered(candidate, views, "no view has enough points");
@@ -304,7 +334,7 @@ CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
   }
   const bool is_partial = TraitsOf(candidate.source).is_partial;
   const std::optional<JointPlacement> found =
-      PlaceJointly(model, visible, usable, PriorOf(candidate), is_partial);
+      PlaceJointly(model, visible, usable, PriorOf(candidate, layout), is_partial);
   if (!found) return NotRegistered(candidate, views, "the views' points have no extent");
   return registered_at(*found);
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "deepslam/registration/measured_view.h"
+#include "deepslam/scene/layout.h"
 #include "deepslam/scene/object_view.h"
 #include "deepslam/scene/registration.h"
 #include "deepslam/scene/shape_candidate.h"
@@ -66,17 +67,20 @@ struct RegisterOptions {
 
 // Registers one candidate in all views, from where its source measured it if it says so, else by
 // search. Never fails: what could not be registered says so (ok = false, reason). Views stay in the
-// order given; the result holds one entry per view. All numbers are finite.
+// order given; the result holds one entry per view. All numbers are finite. `layout` is the room
+// along the path of the views, for what has a front; none where it is not known.
 [[nodiscard]] CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
                                                       const shape::ShapeModel& model,
                                                       std::span<const ObjectView> views,
-                                                      const RegisterOptions& options);
+                                                      const RegisterOptions& options,
+                                                      const Layout* layout = nullptr);
 
 // The same with views prepared once for all candidates of an object (PrepareForRegistration).
 [[nodiscard]] CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
                                                       const shape::ShapeModel& model,
                                                       std::span<const MeasuredView> views,
-                                                      const RegisterOptions& options);
+                                                      const RegisterOptions& options,
+                                                      const Layout* layout = nullptr);
 
 // The same, once its place is nearly known: similarity refined jointly over all views
 // (refine_pose.h), and every view registered from there.

@@ -8,6 +8,7 @@
 #include "deepslam/geometry/facing.h"
 #include "deepslam/registration/initial_alignment.h"
 #include "deepslam/registration/similarity_icp.h"
+#include "deepslam/scene/sides_at_walls.h"
 
 namespace deepslam::registration {
 namespace {
@@ -21,6 +22,8 @@ constexpr double kSamePlaceShare = 0.15;  // of the scale
 constexpr double kSameScaleShare = 0.15;  // between logs of the scales
 // Cost of a back turned to all cameras, as furniture faces people; disagreements lie in [0, 2].
 constexpr double kBackShown = 0.1;
+// Cost of a front turned to a wall: more than all cameras say, which pass on all sides.
+constexpr double kFrontBlocked = 0.15;
 
 using ViewPointers = std::vector<const MeasuredView*>;
 
@@ -83,13 +86,18 @@ Similarity3 Rescaled(const Similarity3& camera_from_object,
 
 }  // namespace
 
-double BackShownCost(const Similarity3& world_from_object,
-                     std::span<const MeasuredView* const> views) {
+double FacingCost(const shape::ShapeModel& model,
+                  const Similarity3& world_from_object,
+                  std::span<const MeasuredView* const> views,
+                  const Layout* layout) {
   std::vector<Eigen::Vector3d> cameras_world;
   for (const MeasuredView* view : views)
     cameras_world.push_back(view->world_from_camera.translation_m);
-  return kBackShown *
-         BackShown(world_from_object.rotation, world_from_object.translation_m, cameras_world);
+  const double back_shown =
+      BackShown(world_from_object.rotation, world_from_object.translation_m, cameras_world);
+  const double blocked =
+      layout != nullptr ? FrontBlocked(*layout, world_from_object, model.box()) : 0;
+  return kBackShown * back_shown + kFrontBlocked * blocked;
 }
 
 std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
@@ -107,13 +115,14 @@ std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
     WorldHypothesis hypothesis{view.world_from_camera * camera_from_object, 0.0};
     if (prior.stands) StandOnGround(model, view, hypothesis.world_from_object);
     const int stride = static_cast<int>(view.points_camera.size() / kPointsPerScoringView) + 1;
-    hypothesis.disagreement = Disagreement(model,
-                                           visible,
-                                           scoring_views,
-                                           hypothesis.world_from_object,
-                                           RegisterOptions::kCoarseRadius_m,
-                                           stride) +
-                              BackShownCost(hypothesis.world_from_object, scoring_views);
+    hypothesis.disagreement =
+        Disagreement(model,
+                     visible,
+                     scoring_views,
+                     hypothesis.world_from_object,
+                     RegisterOptions::kCoarseRadius_m,
+                     stride) +
+        FacingCost(model, hypothesis.world_from_object, scoring_views, prior.layout);
     all.push_back(hypothesis);
   };
   for (const MeasuredView* view : BestViews(views, RegisterOptions::kNumSeedViews)) {

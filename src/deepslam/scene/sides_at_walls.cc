@@ -74,4 +74,18 @@ double FrontBlocked(const SidesAtWalls& at_walls, int side) {
   return at(side + 1) || at(side + 3) ? kBesideWall : 0;
 }
 
+double FrontBlocked(const Layout& layout,
+                    const Similarity3& tracking_from_object,
+                    const Eigen::AlignedBox3f& box_object) {
+  if (box_object.isEmpty()) return 0;
+  const Pose3 tracking_from_box(
+      tracking_from_object.rotation,
+      tracking_from_object * Eigen::Vector3d(box_object.center().cast<double>()));
+  const SidesAtWalls at_walls =
+      FindSidesAtWalls(layout,
+                       layout.level_from_tracking * tracking_from_box,
+                       tracking_from_object.scale * box_object.sizes().cast<double>());
+  return FrontBlocked(at_walls, 0);
+}
+
 }  // namespace deepslam

@@ -4,8 +4,10 @@
 #include <array>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "deepslam/geometry/pose.h"
+#include "deepslam/geometry/similarity.h"
 #include "deepslam/scene/layout.h"
 
 namespace deepslam {
@@ -25,5 +27,10 @@ using SidesAtWalls = std::array<bool, 4>;
 // wall. 0: its back stands at one, or no side does; 0.5: others do and its back does not; 1: it
 // stands at one itself.
 [[nodiscard]] double FrontBlocked(const SidesAtWalls& at_walls, int side);
+
+// The same of the front (+x) of a model of this box in its own frame, where it stands.
+[[nodiscard]] double FrontBlocked(const Layout& layout,
+                                  const Similarity3& tracking_from_object,
+                                  const Eigen::AlignedBox3f& box_object);
 
 }  // namespace deepslam

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "deepslam/geometry/point_columns.h"
 #include "deepslam/geometry/trilinear.h"
@@ -63,6 +64,7 @@ class ShapeModel {
   [[nodiscard]] Eigen::Vector3f box_min() const { return box_min_; }
   [[nodiscard]] Eigen::Vector3f box_max() const { return box_max_; }
   [[nodiscard]] Eigen::Vector3f extent() const { return box_max_ - box_min_; }
+  [[nodiscard]] Eigen::AlignedBox3f box() const { return {box_min_, box_max_}; }
   // Lowest z of the model: what stands on the ground.
   [[nodiscard]] float bottom() const { return box_min_.z(); }
   [[nodiscard]] bool empty() const { return points_.empty(); }

@@ -19,6 +19,8 @@ Result<StageSummary> RunRegister(StageContext& context, const RunInputs& inputs)
   if (!trajectory.ok()) return trajectory.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
+  const Result<Layout> layout = ReadLayout(context);
+  if (!layout.ok()) return layout.error();
   const Result<Association> association = ReadAssociation(context, "associate");
   if (!association.ok()) return association.error();
   const Result<Proposals> proposals = ReadProposals(context);
@@ -27,11 +29,14 @@ Result<StageSummary> RunRegister(StageContext& context, const RunInputs& inputs)
       OpenViews(context, *inputs.capture->frames, inputs.classes, inputs.config.views);
   if (!views.ok()) return views.error();
 
+  modelling::ObjectOptions options = ObjectOptionsOf(inputs.config, inputs.overrides);
+  options.layout = &*layout;
+  options.classes = &inputs.classes;
   const auto registrations = modelling::RegisterObjects(
       {association->tracks, *trajectory, *ground},
       *proposals,
       {*views, StageModels(context), *inputs.prepared, context.progress()},
-      inputs.config.registration);
+      options);
   if (!registrations.ok()) return registrations.error();
   if (Status status =
           WriteEncoded(context,
