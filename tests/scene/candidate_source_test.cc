@@ -32,9 +32,10 @@ TEST(SourceTraits, AreOfOnePiece) {
     if (traits.is_derived) {
       EXPECT_TRUE(traits.follows_depth) << traits.name;
     }
-    // Whoever follows the depth agrees with it by nature and needs a margin for it; nobody else has
-    // to.
-    EXPECT_EQ(traits.follows_depth, traits.margin != WinningMargin::kNone) << traits.name;
+    // Whoever follows the depth agrees with it by nature and needs a margin for it; of others only
+    // who has many designs to choose from.
+    const bool needs_margin = traits.follows_depth || traits.margin == WinningMargin::kCatalogue;
+    EXPECT_EQ(needs_margin, traits.margin != WinningMargin::kNone) << traits.name;
     EXPECT_EQ(traits.is_partial, traits.margin == WinningMargin::kUnseenSides) << traits.name;
   }
 }

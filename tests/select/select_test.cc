@@ -230,6 +230,24 @@ TEST_F(SelectAChair, AFusedShapeSeenAllRoundMayWinByLess) {
   EXPECT_FALSE(fused_wins(all_round, 0.02));
 }
 
+// Among many products one fits by chance what little was seen.
+TEST_F(SelectAChair, ACataloguesProductNeedsALeadOverANetworkWhereOneSideWasSeen) {
+  const auto network_wins = [&](const std::vector<double>& azimuths_rad, double behind) {
+    views_ = world_.Views(azimuths_rad);
+    candidates_.clear();
+    registrations_.clear();
+    scores_.clear();
+    Add(testing_support::ChairGrid(), 0, CandidateSource::kRetrieval);
+    Add(testing_support::ChairGrid(), -1, CandidateSource::kNetwork);
+    scores_[0].score = 0.9;
+    scores_[1].score = scores_[0].score - behind;
+    return Select().source == CandidateSource::kNetwork;
+  };
+  EXPECT_TRUE(network_wins({0.0, 0.2, 0.4}, 0.01));
+  EXPECT_FALSE(network_wins({0.0, 0.2, 0.4}, 0.03));
+  EXPECT_FALSE(network_wins({0.0, 1.5, 3.0, 4.5}, 0.01));
+}
+
 TEST_F(SelectAChair, OfEqualScoresAFreeFrontDecidesAndNoWallAgainstTheDepth) {
   const auto winner = [&](double lead) {
     scores_[0].score = 0.9 + lead;

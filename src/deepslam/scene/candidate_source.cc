@@ -6,7 +6,10 @@ namespace {
 constexpr std::array<SourceTraits, kNumCandidateSources> kTraits = {
     {{.name = "network", .in_words = "network", .can_be_completed = true},
      {.name = "mean_latent", .in_words = "network, mean of views", .can_be_completed = true},
-     {.name = "retrieval", .in_words = "CAD library", .can_be_completed = true},
+     {.name = "retrieval",
+      .in_words = "CAD library",
+      .can_be_completed = true,
+      .margin = WinningMargin::kCatalogue},
      {.name = "fused",
       .in_words = "own measurement",
       .is_partial = true,

@@ -23,6 +23,7 @@ inline constexpr std::size_t kNumCandidateSources = 6;  // values of CandidateSo
 enum class WinningMargin {
   kNone,
   kUnseenSides,  // a little, and more the more sides nobody saw
+  kCatalogue,    // the more the more sides nobody saw
   kRefined,
   kCompleted,
 };

@@ -135,15 +135,20 @@ std::vector<double> Penalties(std::span<const ShapeCandidate> candidates,
                    SelectOptions::kBlockedPenalty * scores[i].front_blocked;
     penalties[i] += FixedMargin(traits.margin);
   }
+  const auto unseen_of = [&](std::size_t i) {
+    return UnseenShare(GapsBetweenCameras(registrations[i].world_from_object, cameras_world));
+  };
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (TraitsOf(candidates[i].source).margin == WinningMargin::kCatalogue)
+      penalties[i] += SelectOptions::kCatalogueMargin * unseen_of(i);
+  }
   const WholeModels whole = BestWhole(candidates, scores, penalties, Placed(registrations));
   const double out_of_reach = std::max(0.0, whole.score_within_reach - whole.score);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (TraitsOf(candidates[i].source).margin != WinningMargin::kUnseenSides) continue;
-    const double unseen =
-        UnseenShare(GapsBetweenCameras(registrations[i].world_from_object, cameras_world));
     penalties[i] = std::min(
         SelectOptions::kSufficientMargin,
-        SelectOptions::kFusedMargin + SelectOptions::kOneSidedMargin * unseen + out_of_reach);
+        SelectOptions::kFusedMargin + SelectOptions::kOneSidedMargin * unseen_of(i) + out_of_reach);
   }
   return penalties;
 }

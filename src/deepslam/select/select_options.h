@@ -30,6 +30,11 @@ struct SelectOptions {
   // In proportion to the directions nobody saw well: nothing is left of it where the cameras went
   // all round.
   static constexpr double kOneSidedMargin = 0.2;
+  // The margin of a product of the library over the networks' shapes where nobody saw the other
+  // sides, in proportion to the directions that nobody saw well: among many products one fits what
+  // was seen by chance. Of 63 things seen from within 60 degrees, with 0, 0.02 and 0.05 the winner
+  // has IoU 0.381, 0.387 and 0.380, and 85.9, 86.5 and 86.0 % of the unseen surface within 5 cm.
+  static constexpr double kCatalogueMargin = 0.02;
   // A margin of this much over the whole models is enough, whatever depth it comes from.
   static constexpr double kSufficientMargin = 0.25;
   // The margin of a refined shape over the others: it has seen the depth it is scored by.
