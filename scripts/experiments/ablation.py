@@ -27,7 +27,6 @@ MECHANISMS = {
     "alignment to keyframes": {"track.reference": "previous"},
     "motion prediction": {"track.motion_prediction": "false"},
     "search over rotations": {"track.rotation_search": "false"},
-    "edges over skipped frames": {"track.skip_edges": "false"},
     "covisible keyframes": {"track.covisible.enabled": "false"},
     "sub-trajectories joined by appearance": {"track.join.enabled": "false"},
     "layout aligned to its walls": {"layout.align": "false"},

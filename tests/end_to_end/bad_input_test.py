@@ -354,7 +354,7 @@ class Inputs(BadInput):
                 ("track.keyframe_distance_m=-1", r"must lie in \[0.005, 10\] m"),
                 ("track.keyframe_distance_m", "must be NAME=VALUE"), ("=3", "must be NAME=VALUE"),
                 ("detect.source=telepathy", "must be one of network, file, none"),
-                ("track.skip_edges=maybe", "must be true or false"),
+                ("track.rotation_search=maybe", "must be true or false"),
                 ("track.num_relocalisation_keyframes=2.5", "must be an integer")]:
             with self.subTest(setting):
                 self.check(run(ROOM, self.workspace, "--set", setting), 2, "--set " + re.escape(setting) + ": ", pattern)
@@ -362,7 +362,7 @@ class Inputs(BadInput):
         for text, pattern in [("track:\n  keyframe_distnace_m: 1\n", r"mine\.yaml:2: unknown option.*did you mean"),
                               ("x: [\n", r"mine\.yaml:2: "), ("- a\n", r"mine\.yaml:1: must be a map"),
                               ("track:\n  keyframe_distance_m: [1]\n", r"mine\.yaml:2: .*must be a single value"),
-                              ("track:\n  skip_edges: 1\n  skip_edges: 2\n", r"mine\.yaml:3: .*stands twice")]:
+                              ("track:\n  rotation_search: 1\n  rotation_search: 2\n", r"mine\.yaml:3: .*stands twice")]:
             with self.subTest(text):
                 file.write_text(text)
                 self.check(run(ROOM, self.workspace, "--config", file), 2, pattern)

@@ -36,18 +36,8 @@ TEST(KeyframeWindow, KeepsTheLastOnesAsReferences) {
   const KeyframeWindow window = Three(2);
   EXPECT_EQ(FramesOf(window), (std::vector<int>{10, 20}));
   EXPECT_EQ(window.last().frame, FrameIdx{20});
-  ASSERT_NE(window.before_last(), nullptr);
-  EXPECT_EQ(window.before_last()->frame, FrameIdx{10});
   for (const PosedFrame& keyframe : window.all())
     EXPECT_TRUE(alignment::IsReference(*keyframe.pyramid));
-}
-
-TEST(KeyframeWindow, HasNoneBeforeTheLastWhereThereIsButOne) {
-  KeyframeWindow window(1);
-  EXPECT_TRUE(window.empty());
-  window.Push(Posed(BoxWorld::Furnished(), Pose3{}, 0));
-  EXPECT_FALSE(window.empty());
-  EXPECT_EQ(window.before_last(), nullptr);
 }
 
 TEST(KeyframeWindow, JoinsASubTrajectoryToAnEarlierOneAndMovesItAlone) {

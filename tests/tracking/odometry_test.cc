@@ -103,7 +103,6 @@ TEST(EstimateOdometry, PlainFrameToFrameIcpIsAConfiguration) {
   options.reference = "previous";
   options.alignment.photometric = false;
   options.rotation_search = false;
-  options.skip_edges = false;
   const std::vector<Pose3> truth = Arc(15);
   const Odometry odometry = Track(Render(BoxWorld::Furnished(), truth), options);
   ExpectTrue(odometry, truth, 0, truth.size(), 0.04, 1.5);
@@ -124,7 +123,6 @@ TEST(EstimateOdometry, AMotionThatNothingShowsAges) {
   options.alignment.photometric = false;
   options.rotation_search = false;
   options.keyframe_angle_deg = 0.5;  // every frame
-  options.skip_edges = false;
   const Odometry odometry = Track(Render(hall, poses), options);
   std::vector<double> along_m;  // x of the camera is along the wall
   for (const RelativePose& edge : odometry.edges)

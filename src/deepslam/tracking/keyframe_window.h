@@ -30,10 +30,6 @@ class KeyframeWindow {
   // The oldest first.
   [[nodiscard]] const std::deque<PosedFrame>& all() const { return keyframes_; }
   [[nodiscard]] const PosedFrame& last() const { return keyframes_.back(); }
-  // Null where there is none.
-  [[nodiscard]] const PosedFrame* before_last() const {
-    return keyframes_.size() < 2 ? nullptr : &keyframes_[keyframes_.size() - 2];
-  }
   [[nodiscard]] std::vector<PlacedPyramid> PlacedOf(int sub_trajectory) const;
 
  private:

@@ -12,9 +12,8 @@ void Describe(OptionsVisitor& visitor, OdometryOptions& options) {
   visitor.Field("motion_prediction", options.motion_prediction, "start from constant velocity too");
   visitor.Field(
       "rotation_search", options.rotation_search, "start from an image-based rotation too");
+  visitor.Retired("skip_edges", "keyframes are joined to those that see the same; remove it");
   visitor.Retired("wide_search", "doubtful alignments are not searched for again; remove it");
-  visitor.Field(
-      "skip_edges", options.skip_edges, "join each keyframe to the one before the last as well");
   visitor.Field("keyframe_distance_m",
                 options.keyframe_distance_m,
                 {0.005, 10},

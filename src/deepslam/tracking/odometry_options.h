@@ -13,7 +13,6 @@ struct OdometryOptions {
   std::string reference = "keyframe";  // "keyframe" or "previous": what a frame is aligned to
   bool motion_prediction = true;       // constant velocity as one of the starts
   bool rotation_search = true;  // image-based rotation as one of the starts: survives fast turns
-  bool skip_edges = true;  // also join each keyframe to the one before the last, where they overlap
   double keyframe_distance_m = 0.10;      // a new keyframe beyond this distance ...
   double keyframe_angle_deg = 8;          // ... or this angle from the current one ...
   double keyframe_min_overlap = 0.65;     // ... or below this overlap with it

@@ -204,12 +204,7 @@ void Tracker::JoinToKeyframes(PosedFrame& frame, const FrameAlignment* direct) {
     frame.world_from_camera = last.world_from_camera * found.i_from_j;
   frame.remapped = found.remapped;
   if (!found.ok) return odometry_.AddUncertainEdge(last, frame);
-  const auto skip = MeasureSkipEdge(keyframes_, frame, found, options_);
-  if (!skip) return odometry_.AddEdge(last, frame, found);
-  odometry_.AddEdge(last, frame, found.i_from_j, skip->joint.information_a);
-  odometry_.AddEdge(
-      *keyframes_.before_last(), frame, skip->to_before_last.i_from_j, skip->joint.information_b);
-  frame.world_from_camera = skip->joint.world_from_camera;
+  odometry_.AddEdge(last, frame, found);
 }
 
 // The sub-trajectory that began behind a loss is carried over as soon as one of its keyframes fits
