@@ -4,7 +4,7 @@
     scripts/experiments/one_sided.py [--seeds 0-5] [--work out/one_sided] [--variants measured,networks] [-- RUN OPTIONS]
 
 Every seed is a room of its own with eight products that neither the library nor training may hold
-(configs/withheld_models.yaml). The camera (Kinect-like, 640 x 480, 60 frames) walks 2.4 m along one side, so that each
+(configs/withheld_models.yaml). The camera (Kinect-like, 640 x 480, 60 frames) walks 2 m along one side, so that each
 object is seen from within 60 degrees; what stands at the wall faces it, chairs and tables are turned at random.
 `measured` has candidates of the library and the own measurement, `networks` those of the shape networks as well; the front end
 is shared. `deepslam eval selection --unseen` scores both. The table compares, over the objects that both have, the first
@@ -19,14 +19,14 @@ import seeded
 import table1
 from tables import table
 
-WALK_HALF_M = 1.2      # half of the camera's way, along x
-WALK_Y_M = -2.6        # of the way
-NEAREST_Y_M = -0.4     # of the objects, so that 2.2 m and more lie between: atan(1.2 / 2.2) is half of 60 degrees
+WALK_HALF_M = 1.0      # half of the camera's way, along x
+WALK_Y_M = -2.3        # of the way; 4.1 m to the last row, which depth has to reach
+NEAREST_Y_M = -0.4     # of the objects, so that 1.9 m and more lie between: atan(1 / 1.8) is less than half of 60 degrees
 ROWS = (  # y, places along x, classes that may stand there; the last row stands at the wall
     (NEAREST_Y_M, (-1.1, 0.1, 1.3), ("chair",)),
-    (0.9, (-1.9, 0.0, 1.9), ("chair", "table", "table")),
-    (2.5, (-1.9, 1.6), ("sofa", "cabinet", "shelf", "bed")))
-WALL_Y_M = 3.8  # half the room; behind the longest bed
+    (0.7, (-1.9, 0.0, 1.9), ("chair", "table", "table")),
+    (1.8, (-1.9, 1.6), ("sofa", "cabinet", "shelf", "bed")))
+WALL_Y_M = 3.1  # half the room; behind the longest bed
 VARIANTS = {"measured": ["--set", "propose.network=false"], "networks": ["--set", "propose.network=true"]}
 SOURCES = (("measured", "retrieval"), ("measured", "fused"), ("networks", "network"), ("networks", "mean_latent"),
            ("networks", "refined"), ("measured", "final"), ("networks", "final"))
