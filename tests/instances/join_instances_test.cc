@@ -161,6 +161,16 @@ TEST(CarriedByFeet, WhatMayStandOnFurnitureKeepsItApart) {
   }
 }
 
+TEST(CarriedByFeet, AVaseOfWhichThePlantHasAPartIsItsPot) {
+  const Instance plant = Thing("plant", true, {0, 0, 0.05, 0.86}, {0.5, 0.56});
+  const Instance vase = Thing("vase", true, {0.05, 0, 0.02, 0.31}, {0.3, 0.27});
+  EXPECT_THAT(CarriedByFeet(std::vector{plant, vase}, Stands()), ElementsAre(-1, 0));
+  const Instance up_in_it = Thing("vase", true, {0.05, 0, 0.5, 0.8}, {0.3, 0.27});
+  const Instance beside = Thing("vase", true, {0.4, 0, 0.02, 0.31}, {0.3, 0.27});
+  EXPECT_THAT(CarriedByFeet(std::vector{plant, up_in_it, beside}, Stands()),
+              ElementsAre(-1, -1, -1));
+}
+
 TEST(CarriedByFeet, AVaseUnderAPlantIsItsPot) {
   const Instance leaves = Thing("plant", true, {0, 0, 0.46, 1.14}, {0.6, 0.6});
   const Instance vase = Thing("vase", true, {0.05, 0, 0, 0.32}, {0.26, 0.3});

@@ -88,18 +88,32 @@ bool MayStandOn(const ClassTraits& traits, const Instance& foot, const ClassTabl
                        : !traits.yaw_free;
 }
 
+// On the floor, and the thing begins above where it ends.
+bool EndsBelow(const Instance& foot, const Instance& thing) {
+  const UprightBox& own = foot.box_level;
+  const UprightBox& above = thing.box_level;
+  const double max_gap_m = foot.is_named ? kMaxGapOfNamedM : kFootGapM;
+  return own.bottom_m <= kOnFloorM && above.bottom_m >= kFloatsM &&
+         std::abs(own.top_m - above.bottom_m) <= max_gap_m;
+}
+
+// A pot of which the plant has a part: within its height, below its upper half.
+bool IsPotWithin(const Instance& foot, const Instance& thing) {
+  const UprightBox& own = foot.box_level;
+  const UprightBox& whole = thing.box_level;
+  return foot.is_named && own.bottom_m >= whole.bottom_m - kEdgeM &&
+         own.top_m <= 0.5 * (whole.bottom_m + whole.top_m);
+}
+
 bool IsFootOf(const Instance& foot, const Instance& thing, const ClassTable& classes) {
   const ObjectClass* object_class = classes.Find(thing.class_name);
   if (!thing.is_named || !thing.rejection.empty() || object_class == nullptr ||
       !MayStandOn(object_class->traits, foot, classes))
     return false;
-  const UprightBox& own = foot.box_level;
-  const UprightBox& above = thing.box_level;
-  const double max_gap_m = foot.is_named ? kMaxGapOfNamedM : kFootGapM;
-  if (own.bottom_m > kOnFloorM || above.bottom_m < kFloatsM ||
-      above.top_m > object_class->max_height_m || std::abs(own.top_m - above.bottom_m) > max_gap_m)
+  if (thing.box_level.top_m > object_class->max_height_m ||
+      !(EndsBelow(foot, thing) || IsPotWithin(foot, thing)))
     return false;
-  return ShareOver(ThickOutlineOf(above), ThickOutlineOf(own)) > kFootShare;
+  return ShareOver(ThickOutlineOf(thing.box_level), ThickOutlineOf(foot.box_level)) > kFootShare;
 }
 
 bool AreBoards(const Instance& a, const Instance& b) {

@@ -25,7 +25,8 @@ namespace deepslam::instances {
 // what nothing names, stands on the floor and ends below a named thing, within its outline, where
 // things of that class stand on floors and this one would float: the pedestal of a washbasin, the
 // base of a chair. What lies under a support plane is no foot of it, nor is furniture that a plant
-// or a lamp stands on; but what detections call a vase is the pot of the plant in it.
+// or a lamp stands on; but what detections call a vase is the pot of the plant in it, also where
+// the plant has a part of it already.
 [[nodiscard]] std::vector<int> CarriedByFeet(std::span<const Instance> instances,
                                              const ClassTable& classes);
 
