@@ -85,7 +85,6 @@ eval::PlacedBox ReadBox(const JsonNode& node) {
 // A round thing's turn says nothing. Other turns are not forgiven by their mean distance: of a
 // cabinet's surface the handles, which tell its front, are little.
 shape::Symmetry SymmetryOf(const TrueObject& object) {
-  if (!object.has_front) return shape::Symmetry::kAny;
   constexpr double kRound_m = 0.01;  // mean distance of surfaces that count as one
   const shape::ShapeModel model(object.grid);
   const double scale_m = object.box.size_m.maxCoeff() / kModelExtent;
@@ -120,7 +119,6 @@ Result<std::vector<TrueObject>> ReadObjects(const fs::path& file) {
     TrueObject object;
     object.box = ReadBox(node);
     object.number = static_cast<int>(objects.size()) + 1;
-    if (const JsonNode front = node.Maybe("front"); front.exists()) object.has_front = front.Bool();
     objects.push_back(std::move(object));
     const JsonNode mesh = node.Maybe("mesh");
     meshes.push_back(mesh.exists() ? mesh.String() : std::string());

@@ -30,7 +30,6 @@ struct TrueObject {
   eval::PlacedBox box;  // true world
   TriangleMesh mesh;    // object frame, metres; the box itself where only that is known
   bool has_shape = false;
-  bool has_front = true;  // else no turn of it is wrong
   VoxelGrid grid;
   shape::Symmetry symmetry = shape::Symmetry::kNone;
   int visible_px = -1;  // most pixels in one frame; -1 where no masks tell

@@ -1,7 +1,5 @@
 #include "deepslam/synth/truth.h"
 
-#include <string_view>
-
 #include <fmt/format.h>
 
 #include "deepslam/scene/voxel_grid.h"
@@ -22,9 +20,6 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
-// The class of things that nobody could say the front of: leaves grow to all sides.
-constexpr std::string_view kWithoutFront = "plant";
-
 }  // namespace
 
 std::string TruthJson(const World& world) {
@@ -38,7 +33,7 @@ std::string TruthJson(const World& world) {
         "{}\n    {{\"id\": {}, \"class\": {}, \"model\": {}, \"mesh\": \"meshes/{}.ply\",\n"
         "     \"size_m\": [{:.6f}, {:.6f}, {:.6f}], \"scale_m\": {:.9f},\n"
         "     \"translation_m\": [{:.6f}, {:.6f}, {:.6f}], \"rotation_xyzw\": [{:.9f}, {:.9f}, "
-        "{:.9f}, {:.9f}]{}}}",
+        "{:.9f}, {:.9f}]}}",
         i == 0 ? "" : ",",
         i,
         Quoted(object.class_name),
@@ -54,8 +49,7 @@ std::string TruthJson(const World& world) {
         q.x(),
         q.y(),
         q.z(),
-        q.w(),
-        object.class_name == kWithoutFront ? ", \"front\": false" : "");
+        q.w());
   }
   return json + "\n  ]\n}\n";
 }
