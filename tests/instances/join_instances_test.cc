@@ -171,6 +171,24 @@ TEST(CarriedByFeet, AVaseOfWhichThePlantHasAPartIsItsPot) {
               ElementsAre(-1, -1, -1));
 }
 
+TEST(CarriedByFeet, ASeatGoesWithTheBackThatDetectionsName) {
+  ClassTable classes = Stands();
+  classes.classes.push_back({"chair", {"chair"}, {}, 0.45, 1.5, 0.4, 1.4, {}, {}});
+  const Instance seat = Thing("cabinet", false, {0, 0, 0.02, 0.46}, {0.28, 0.44});
+  Instance rail = Thing("chair", true, {-0.26, 0.05, 0.72, 0.82}, {0.04, 0.31});
+  rail.rejection = "small";
+  EXPECT_THAT(CarriedByFeet(std::vector{rail, seat}, classes), ElementsAre(-1, 0));
+  // Too far off, at the seat's height, or of a chair as a whole, beside which it stands.
+  const Instance off = Thing("chair", true, {-0.6, 0, 0.72, 0.82}, {0.04, 0.31});
+  const Instance low = Thing("chair", true, {-0.26, 0, 0.3, 0.46}, {0.04, 0.31});
+  const Instance whole = Thing("chair", true, {-0.3, 0, 0.44, 0.82}, {0.3, 0.31});
+  const Instance leaf = Thing("plant", true, {-0.26, 0.05, 0.72, 0.82}, {0.04, 0.31});
+  for (const Instance& other : {off, low, whole, leaf})
+    EXPECT_THAT(CarriedByFeet(std::vector{other, seat}, classes), ElementsAre(-1, -1));
+  const Instance dresser = Thing("cabinet", false, {0, 0, 0.02, 0.8}, {0.5, 1.6});
+  EXPECT_THAT(CarriedByFeet(std::vector{rail, dresser}, classes), ElementsAre(-1, -1));
+}
+
 TEST(CarriedByFeet, AVaseUnderAPlantIsItsPot) {
   const Instance leaves = Thing("plant", true, {0, 0, 0.46, 1.14}, {0.6, 0.6});
   const Instance vase = Thing("vase", true, {0.05, 0, 0, 0.32}, {0.26, 0.3});

@@ -255,6 +255,7 @@ void TakeFeet(const Context& context, std::vector<Instance>& instances) {
     AddElements(context, foot.elements, thing);
     foot.elements.clear();
     foot.rejection = "the foot of a " + thing.class_name;
+    thing.rejection = TooLittle(thing, context.elements.voxel_m(), context.options);
   }
 }
 

@@ -38,9 +38,10 @@ LevelRectangle ThickOutlineOf(const UprightBox& box) {
 // What begins below this stands on the floor, and what begins above floats: voxels at the floor are
 // the floor's.
 constexpr double kOnFloorM = 0.25;
-constexpr double kFloatsM = 0.3;    // beds begin lower, basins at 0.6 m
-constexpr double kFootGapM = 0.15;  // between a foot's upper end and what it carries, either way
-constexpr double kFootShare = 0.8;  // of the foot's outline, under the thing
+constexpr double kFloatsM = 0.3;      // beds begin lower, basins at 0.6 m
+constexpr double kFootGapM = 0.15;    // between a foot's upper end and what it carries, either way
+constexpr double kFootShare = 0.8;    // of the foot's outline, under the thing
+constexpr double kHiddenSeatM = 0.3;  // half of a seat, and as far as backs lean out over it
 
 // Negative: the width of the gap between them.
 double SharedHeight(const UprightBox& a, const UprightBox& b) {
@@ -116,6 +117,30 @@ bool IsFootOf(const Instance& foot, const Instance& thing, const ClassTable& cla
   return ShareOver(ThickOutlineOf(thing.box_level), ThickOutlineOf(foot.box_level)) > kFootShare;
 }
 
+// Before a thin back that detections name, or a rail of it, which hides a part of the seat.
+bool IsSeatOf(const Instance& seat, const Instance& back, const ClassTable& classes) {
+  const ObjectClass* object_class = classes.Find(back.class_name);
+  if (!back.is_named || seat.is_named || !seat.rejection.empty() || object_class == nullptr)
+    return false;
+  const ClassTraits& traits = object_class->traits;
+  const UprightBox& own = seat.box_level;
+  const UprightBox& above = back.box_level;
+  if (!traits.supports.floor || traits.support_plane || traits.yaw_free ||
+      own.bottom_m > kOnFloorM || above.short_side_m() > kBoardDepthM)
+    return false;
+  const double gap_m = above.bottom_m - own.top_m;
+  const double height_m = above.top_m - own.bottom_m;
+  if (gap_m < -kEdgeM || gap_m > kMaxGapOfNamedM || height_m > object_class->max_height_m ||
+      std::max(height_m, own.long_side_m()) > object_class->max_size_m ||
+      std::max(height_m, own.long_side_m()) < object_class->min_size_m)
+    return false;
+  LevelRectangle whole = ThickOutlineOf(own);
+  whole.length_m += 2 * kHiddenSeatM;
+  whole.width_m += 2 * kHiddenSeatM;
+  const LevelRectangle rail = ThickOutlineOf(above);
+  return SharedArea(whole, rail) > kFootShare * rail.area_m2();
+}
+
 bool AreBoards(const Instance& a, const Instance& b) {
   const UprightBox& box_a = a.box_level;
   const UprightBox& box_b = b.box_level;
@@ -158,8 +183,9 @@ std::vector<int> WholesOf(std::span<const Instance> instances) {
 std::vector<int> CarriedByFeet(std::span<const Instance> instances, const ClassTable& classes) {
   std::vector<int> carried(instances.size(), -1);
   for (std::size_t i = 0; i < instances.size(); ++i) {
-    const auto thing = std::ranges::find_if(
-        instances, [&](const Instance& other) { return IsFootOf(instances[i], other, classes); });
+    const auto thing = std::ranges::find_if(instances, [&](const Instance& other) {
+      return IsFootOf(instances[i], other, classes) || IsSeatOf(instances[i], other, classes);
+    });
     if (thing != instances.end()) carried[i] = static_cast<int>(thing - instances.begin());
   }
   return carried;

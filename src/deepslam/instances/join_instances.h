@@ -26,7 +26,8 @@ namespace deepslam::instances {
 // things of that class stand on floors and this one would float: the pedestal of a washbasin, the
 // base of a chair. What lies under a support plane is no foot of it, nor is furniture that a plant
 // or a lamp stands on; but what detections call a vase is the pot of the plant in it, also where
-// the plant has a part of it already.
+// the plant has a part of it already. A seat that nothing names is carried by no one's foot, but
+// goes with the back of a chair that detections name, however little was seen of that.
 [[nodiscard]] std::vector<int> CarriedByFeet(std::span<const Instance> instances,
                                              const ClassTable& classes);
 
