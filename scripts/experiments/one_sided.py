@@ -26,7 +26,7 @@ ROWS = (  # y, places along x, classes that may stand there; the last row stands
     (NEAREST_Y_M, (-1.1, 0.1, 1.3), ("chair",)),
     (0.7, (-1.9, 0.0, 1.9), ("chair", "table", "table")),
     (1.8, (-1.9, 1.6), ("sofa", "cabinet", "shelf", "bed")))
-WALL_Y_M = 3.1  # half the room; behind the longest bed
+WALL_Y_M = 3.4  # half the room; behind the longest bed
 VARIANTS = {"measured": ["--set", "propose.network=false"], "networks": ["--set", "propose.network=true"]}
 SOURCES = (("measured", "retrieval"), ("measured", "fused"), ("networks", "network"), ("networks", "mean_latent"),
            ("networks", "refined"), ("measured", "final"), ("networks", "final"))
