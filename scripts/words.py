@@ -13,11 +13,11 @@ import re
 import sys
 
 LIMITS = {
-    "options": 126,
+    "options": 125,
     "options that nobody sets": 21,
     "constants without a comment": 0,
     "words of documents": 24900,
-    "lines of tracking and alignment": 7033,
+    "lines of tracking and alignment": 6949,
     "coined terms": 39,
 }
 
