@@ -26,7 +26,7 @@ ROWS = (  # y, places along x, classes that may stand there; the last row stands
     (NEAREST_Y_M, (-1.1, 0.1, 1.3), ("chair",)),
     (0.7, (-1.9, 0.0, 1.9), ("chair", "table", "table")),
     (1.8, (-1.9, 1.6), ("sofa", "cabinet", "shelf", "bed")))
-WALL_Y_M = 3.4  # half the room; behind the longest bed
+WALL_Y_M = 3.6  # half the room; behind the longest bed
 VARIANTS = {"measured": ["--set", "propose.network=false"], "networks": ["--set", "propose.network=true"]}
 SOURCES = (("measured", "retrieval"), ("measured", "fused"), ("networks", "network"), ("networks", "mean_latent"),
            ("networks", "refined"), ("measured", "final"), ("networks", "final"))
@@ -55,7 +55,7 @@ frames: 60
 frames_per_s: 10
 camera: {{preset: kinect_v1}}
 room:
-  size_m: [7.0, {2 * WALL_Y_M:.2f}, 2.7]
+  size_m: [8.0, {2 * WALL_Y_M:.2f}, 2.7]
   floor: {draw.choice(["wood", "tiles", "carpet"])}
   posters: 6
   ambient: 0.42
