@@ -50,6 +50,19 @@ TEST(SidesAtWalls, ACornerHasTwo) {
               ElementsAre(false, true, true, false));
 }
 
+TEST(WallConflict, IsThatOfTheFrontUnlessItReachesFarThroughAWall) {
+  const Layout layout = Corner();
+  const auto conflict = [&](const Eigen::Vector3d& place_m, double yaw_deg) {
+    return WallConflict(layout, Standing(place_m, yaw_deg), kSize_m);
+  };
+  EXPECT_EQ(conflict({2, 0.35, 0.4}, 90), 0) << "its back at the wall";
+  EXPECT_EQ(conflict({2, 0.35, 0.4}, 270), 1) << "its front";
+  EXPECT_EQ(conflict({2, 0.55, 0.4}, 0), 0.5) << "its side";
+  EXPECT_EQ(conflict({2, 0.2, 0.4}, 90), 0) << "10 cm through it";
+  EXPECT_EQ(conflict({2, -0.05, 0.4}, 90), 1) << "35 cm through it";
+  EXPECT_EQ(conflict({2, 1.5, 0.4}, 0), 0) << "in the room";
+}
+
 TEST(SidesAtWalls, ASideThroughTheWallStandsAtIt) {
   // Its width across the wall: it ends 0.4 m behind the face.
   EXPECT_THAT(FindSidesAtWalls(Corner(), Standing({2, 0.1, 0.4}, 0), kSize_m),

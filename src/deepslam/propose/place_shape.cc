@@ -26,9 +26,9 @@ double BlockedPenalty(const Placement& placement, const MeasuredDepth& measured)
        placement.center_m.y(),
        placement.bottom_m + 0.5 * placement.size_m.z()});
   const Pose3 world_from_box = measured.cloud.level_from_world.Inverse() * level_from_box;
-  const SidesAtWalls at_walls = FindSidesAtWalls(
-      *measured.layout, measured.layout->level_from_tracking * world_from_box, placement.size_m);
-  return kBlockedPenalty * FrontBlocked(at_walls, 0);
+  return kBlockedPenalty * WallConflict(*measured.layout,
+                                        measured.layout->level_from_tracking * world_from_box,
+                                        placement.size_m);
 }
 
 PlacedShape Descend(const CoarseShape& shape,

@@ -11,7 +11,6 @@
 namespace deepslam::registration {
 namespace {
 
-
 Matrix6d Floor() {
   Vector6d sigma;
   sigma << 1.0, 1.0, 1.0, 10 * kRadPerDeg, 10 * kRadPerDeg, 180 * kRadPerDeg;

@@ -147,9 +147,9 @@ Similarity3 JointPose(const shape::ShapeModel& model,
   };
   for (const WorldHypothesis& hypothesis : hypotheses) attempt(hypothesis.world_from_object);
   attempt(TurnedRound(best, views));
-  if (layout != nullptr && FrontBlocked(*layout, best, model.box()) > 0) {
+  if (layout != nullptr && WallConflict(*layout, best, model.box()) > 0) {
     for (const Similarity3& turned : QuarterTurned(model, best)) {
-      if (FrontBlocked(*layout, turned, model.box()) == 0) attempt(turned);
+      if (WallConflict(*layout, turned, model.box()) == 0) attempt(turned);
     }
   }
   SimilarityIcpOptions fine = options;

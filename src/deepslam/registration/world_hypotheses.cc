@@ -96,7 +96,7 @@ double FacingCost(const shape::ShapeModel& model,
   const double back_shown =
       BackShown(world_from_object.rotation, world_from_object.translation_m, cameras_world);
   const double blocked =
-      layout != nullptr ? FrontBlocked(*layout, world_from_object, model.box()) : 0;
+      layout != nullptr ? WallConflict(*layout, world_from_object, model.box()) : 0;
   return kBackShown * back_shown + kFrontBlocked * blocked;
 }
 

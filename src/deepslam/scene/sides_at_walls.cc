@@ -18,6 +18,9 @@ constexpr double kMinOverlap = 0.5;  // of the side's length, which is not besid
 // Beside a wall, with the back in the room: half as unlikely as facing the wall.
 constexpr double kBesideWall = 0.5;
 
+// Farther through a wall no error of a layout or of a size brings a thing.
+constexpr double kMostThrough_m = 0.3;
+
 struct BoxSide {
   Eigen::Vector2d outward = Eigen::Vector2d::UnitX();
   Eigen::Vector2d middle_m = Eigen::Vector2d::Zero();
@@ -51,6 +54,21 @@ bool StandsAt(const LayoutWall& wall, const Pose3& level_from_box, const BoxSide
   return last_m - first_m >= kMinOverlap * side.length_m;
 }
 
+// The box of a model, given in its own frame, where the model stands.
+struct StandingBox {
+  Pose3 level_from_box;
+  Eigen::Vector3d size_m;
+
+  StandingBox(const Layout& layout,
+              const Similarity3& tracking_from_object,
+              const Eigen::AlignedBox3f& box_object)
+      : level_from_box(
+            layout.level_from_tracking *
+            Pose3(tracking_from_object.rotation,
+                  tracking_from_object * Eigen::Vector3d(box_object.center().cast<double>()))),
+        size_m(tracking_from_object.scale * box_object.sizes().cast<double>()) {}
+};
+
 }  // namespace
 
 SidesAtWalls FindSidesAtWalls(const Layout& layout,
@@ -78,14 +96,31 @@ double FrontBlocked(const Layout& layout,
                     const Similarity3& tracking_from_object,
                     const Eigen::AlignedBox3f& box_object) {
   if (box_object.isEmpty()) return 0;
-  const Pose3 tracking_from_box(
-      tracking_from_object.rotation,
-      tracking_from_object * Eigen::Vector3d(box_object.center().cast<double>()));
-  const SidesAtWalls at_walls =
-      FindSidesAtWalls(layout,
-                       layout.level_from_tracking * tracking_from_box,
-                       tracking_from_object.scale * box_object.sizes().cast<double>());
+  const StandingBox box(layout, tracking_from_object, box_object);
+  return FrontBlocked(FindSidesAtWalls(layout, box.level_from_box, box.size_m), 0);
+}
+
+double WallConflict(const Layout& layout,
+                    const Pose3& level_from_box,
+                    const Eigen::Vector3d& size_m) {
+  SidesAtWalls at_walls = {};
+  for (int n = 0; n < 4; ++n) {
+    const BoxSide side = SideOf(level_from_box, size_m, n);
+    for (const LayoutWall& wall : layout.walls) {
+      if (!(wall.length_m() > 0) || !StandsAt(wall, level_from_box, side)) continue;
+      if (DistanceBefore(wall, side.middle_m) < -kMostThrough_m) return 1;
+      at_walls[static_cast<std::size_t>(n)] = true;
+    }
+  }
   return FrontBlocked(at_walls, 0);
+}
+
+double WallConflict(const Layout& layout,
+                    const Similarity3& tracking_from_object,
+                    const Eigen::AlignedBox3f& box_object) {
+  if (box_object.isEmpty()) return 0;
+  const StandingBox box(layout, tracking_from_object, box_object);
+  return WallConflict(layout, box.level_from_box, box.size_m);
 }
 
 }  // namespace deepslam

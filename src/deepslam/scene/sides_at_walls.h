@@ -33,4 +33,14 @@ using SidesAtWalls = std::array<bool, 4>;
                                   const Similarity3& tracking_from_object,
                                   const Eigen::AlignedBox3f& box_object);
 
+// How unlikely it is that a box of these sides round the origin of its frame, its front at +x,
+// stands there: as FrontBlocked says, or 1 where a side of it reaches 30 cm and more through a
+// wall.
+[[nodiscard]] double WallConflict(const Layout& layout,
+                                  const Pose3& level_from_box,
+                                  const Eigen::Vector3d& size_m);
+[[nodiscard]] double WallConflict(const Layout& layout,
+                                  const Similarity3& tracking_from_object,
+                                  const Eigen::AlignedBox3f& box_object);
+
 }  // namespace deepslam
