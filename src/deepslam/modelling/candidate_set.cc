@@ -48,13 +48,21 @@ const Layout* LayoutForFront(std::string_view class_name, const ObjectOptions& o
   return has_front ? options.layout : nullptr;
 }
 
-// By the walls that the placed model's box stands at.
-double FrontBlockedOf(const shape::ShapeModel& model,
+Similarity3 TrackingFromObject(const CandidateRegistration& registration) {
+  return Similarity3::From(registration.world_from_object, registration.scale_m);
+}
+
+double WallConflictOf(const shape::ShapeModel& model,
                       const CandidateRegistration& registration,
                       const Layout& layout) {
   if (!registration.ok || model.empty()) return 0;
-  return FrontBlocked(
-      layout, Similarity3::From(registration.world_from_object, registration.scale_m), model.box());
+  return WallConflict(layout, TrackingFromObject(registration), model.box());
+}
+
+bool FacesWall(std::size_t i, const CandidateSet& set, const Layout* layout) {
+  const shape::ShapeModel& model = *set.models.at(set.candidates[i].model);
+  return layout != nullptr && set.registrations[i].ok && !model.empty() &&
+         FrontBlocked(*layout, TrackingFromObject(set.registrations[i]), model.box()) >= 1;
 }
 
 // The candidate's model, which no other candidate has, turned in its own frame; the surface stays
@@ -181,7 +189,7 @@ void ScoreAll(std::span<const ObjectView> views, const ObjectOptions& options, C
                                            std::span(std::as_const(set.scored_views)),
                                            options.select);
     if (layout != nullptr)
-      set.scores[i].front_blocked = FrontBlockedOf(model, set.registrations[i], *layout);
+      set.scores[i].front_blocked = WallConflictOf(model, set.registrations[i], *layout);
   });
 }
 
@@ -200,7 +208,8 @@ void AddCandidates(Proposals& made,
   const std::size_t first = set.scores.size();
   ScoreAll(views, options, set);
   for (std::size_t i = first; i < set.candidates.size(); ++i) {
-    if (TraitsOf(set.candidates[i].source).follows_depth && set.scores[i].front_blocked >= 1)
+    if (TraitsOf(set.candidates[i].source).follows_depth &&
+        FacesWall(i, set, LayoutForFront(set.class_name, options)))
       TurnHalfRound(i, made, prepared, set);
   }
 }
