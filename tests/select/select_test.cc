@@ -152,6 +152,16 @@ class SelectAChair : public testing::Test {
     candidates_.push_back(candidate);
   }
 
+  // Instead of all: the chair as a product, and from another source, seen from these azimuths.
+  void SeeProductAnd(CandidateSource other, const std::vector<double>& azimuths_rad) {
+    views_ = world_.Views(azimuths_rad);
+    candidates_.clear();
+    registrations_.clear();
+    scores_.clear();
+    Add(testing_support::ChairGrid(), 0, CandidateSource::kRetrieval);
+    Add(testing_support::ChairGrid(), -1, other);
+  }
+
   [[nodiscard]] MapObject Select() const {
     return SelectShape(
         ObjectId{3}, "chair", candidates_, registrations_, scores_, views_, options_);
@@ -212,12 +222,7 @@ TEST_F(SelectAChair, LeavesOutWhatIsSmallerThanTheMapHolds) {
 // side a large one.
 TEST_F(SelectAChair, AFusedShapeSeenAllRoundMayWinByLess) {
   const auto fused_wins = [&](const std::vector<double>& azimuths_rad, double lead) {
-    views_ = world_.Views(azimuths_rad);
-    candidates_.clear();
-    registrations_.clear();
-    scores_.clear();
-    Add(testing_support::ChairGrid(), 0, CandidateSource::kRetrieval);
-    Add(testing_support::ChairGrid(), -1, CandidateSource::kFused);
+    SeeProductAnd(CandidateSource::kFused, azimuths_rad);
     scores_[0].score = 0.85;
     scores_[1].score = scores_[0].score + lead;
     return Select().source == CandidateSource::kFused;
@@ -233,12 +238,7 @@ TEST_F(SelectAChair, AFusedShapeSeenAllRoundMayWinByLess) {
 // Among many products one fits by chance what little was seen.
 TEST_F(SelectAChair, ACataloguesProductNeedsALeadOverANetworkWhereOneSideWasSeen) {
   const auto network_wins = [&](const std::vector<double>& azimuths_rad, double behind) {
-    views_ = world_.Views(azimuths_rad);
-    candidates_.clear();
-    registrations_.clear();
-    scores_.clear();
-    Add(testing_support::ChairGrid(), 0, CandidateSource::kRetrieval);
-    Add(testing_support::ChairGrid(), -1, CandidateSource::kNetwork);
+    SeeProductAnd(CandidateSource::kNetwork, azimuths_rad);
     scores_[0].score = 0.9;
     scores_[1].score = scores_[0].score - behind;
     return Select().source == CandidateSource::kNetwork;

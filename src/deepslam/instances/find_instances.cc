@@ -10,6 +10,7 @@
 
 #include "deepslam/instances/built_in.h"
 #include "deepslam/instances/carried.h"
+#include "deepslam/instances/class_sizes.h"
 #include "deepslam/instances/join_instances.h"
 #include "deepslam/instances/open_below.h"
 #include "deepslam/instances/reach_back.h"
@@ -23,14 +24,6 @@ constexpr double kHiddenBaseM = 0.45;
 // What detections name may be seen in part: the back of a chair that stands under a table is 0.2 m
 // high. Of the least side and surface that are asked of other things.
 constexpr double kNamedSideShare = 0.6;
-// A class names nothing of which less than this share of its least length was seen: a cushion is no
-// bed.
-constexpr double kMinSeenShare = 0.5;
-
-// The longest side of things of a class is level where the least is this many times as long as the
-// least height: beds, not chairs.
-constexpr double kLies = 2;
-
 // Detections that call a top on legs a table in this share of the views, weighted by their scores,
 // tell that it is one: two of the least score that is kept in thirty views.
 constexpr double kHintShare = 0.02;
@@ -80,14 +73,6 @@ void CountClasses(const Superpoints& superpoints,
 // 0 in the middle of the range, 1 at its ends.
 double Eccentricity(double value, double low, double high) {
   return high > low ? std::abs(value - 0.5 * (low + high)) / (0.5 * (high - low)) : 2.0;
-}
-
-bool MayBe(const ObjectClass& object_class, const UprightBox& box) {
-  const double longest_m = std::max(box.long_side_m(), box.height_m());
-  const bool lies = object_class.min_size_m > kLies * object_class.min_height_m;
-  // What was seen of a thing may be less than all of it.
-  return (lies ? box.long_side_m() : longest_m) >= kMinSeenShare * object_class.min_size_m &&
-         longest_m <= object_class.max_size_m && box.height_m() <= object_class.max_height_m;
 }
 
 // The class whose sizes hold the box, the most central one, of those without detector labels or,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "deepslam/geometry/level_rectangle.h"
+#include "deepslam/instances/class_sizes.h"
 
 namespace deepslam::instances {
 namespace {
@@ -128,17 +129,12 @@ bool IsSeatOf(const Instance& seat, const Instance& back, const ClassTable& clas
   if (!traits.supports.floor || traits.support_plane || traits.yaw_free ||
       own.bottom_m > kOnFloorM || above.short_side_m() > kBoardDepthM)
     return false;
+  UprightBox both = own;
+  both.top_m = above.top_m;
   const double gap_m = above.bottom_m - own.top_m;
-  const double height_m = above.top_m - own.bottom_m;
-  if (gap_m < -kEdgeM || gap_m > kMaxGapOfNamedM || height_m > object_class->max_height_m ||
-      std::max(height_m, own.long_side_m()) > object_class->max_size_m ||
-      std::max(height_m, own.long_side_m()) < object_class->min_size_m)
-    return false;
-  LevelRectangle whole = ThickOutlineOf(own);
-  whole.length_m += 2 * kHiddenSeatM;
-  whole.width_m += 2 * kHiddenSeatM;
+  if (gap_m < -kEdgeM || gap_m > kMaxGapOfNamedM || !MayBe(*object_class, both)) return false;
   const LevelRectangle rail = ThickOutlineOf(above);
-  return SharedArea(whole, rail) > kFootShare * rail.area_m2();
+  return SharedArea(OutlineOf(own, kHiddenSeatM), rail) > kFootShare * rail.area_m2();
 }
 
 bool AreBoards(const Instance& a, const Instance& b) {

@@ -59,10 +59,10 @@ double WallConflictOf(const shape::ShapeModel& model,
   return WallConflict(layout, TrackingFromObject(registration), model.box());
 }
 
-bool FacesWall(std::size_t i, const CandidateSet& set, const Layout* layout) {
+bool FacesWall(std::size_t i, const CandidateSet& set, const Layout& layout) {
   const shape::ShapeModel& model = *set.models.at(set.candidates[i].model);
-  return layout != nullptr && set.registrations[i].ok && !model.empty() &&
-         FrontBlocked(*layout, TrackingFromObject(set.registrations[i]), model.box()) >= 1;
+  return set.registrations[i].ok && !model.empty() &&
+         FrontBlocked(layout, TrackingFromObject(set.registrations[i]), model.box()) >= 1;
 }
 
 // The candidate's model, which no other candidate has, turned in its own frame; the surface stays
@@ -207,9 +207,9 @@ void AddCandidates(Proposals& made,
   }
   const std::size_t first = set.scores.size();
   ScoreAll(views, options, set);
-  for (std::size_t i = first; i < set.candidates.size(); ++i) {
-    if (TraitsOf(set.candidates[i].source).follows_depth &&
-        FacesWall(i, set, LayoutForFront(set.class_name, options)))
+  const Layout* const layout = LayoutForFront(set.class_name, options);
+  for (std::size_t i = first; i < set.candidates.size() && layout != nullptr; ++i) {
+    if (TraitsOf(set.candidates[i].source).follows_depth && FacesWall(i, set, *layout))
       TurnHalfRound(i, made, prepared, set);
   }
 }

@@ -104,16 +104,12 @@ Similarity3 TurnedRound(const Similarity3& world_from_object, const ViewPointers
 // nightstand apart, and moments find but one of them.
 std::array<Similarity3, 3> QuarterTurned(const shape::ShapeModel& model,
                                          const Similarity3& world_from_object) {
+  const Eigen::Vector3d middle = model.box().center().cast<double>();
   std::array<Similarity3, 3> all;
-  all.fill(world_from_object);
-  const Eigen::Vector3d middle_world =
-      world_from_object * Eigen::Vector3d(model.box().center().cast<double>());
-  for (int n = 0; n < 3; ++n) {
-    Similarity3& turned = all[static_cast<std::size_t>(n)];
-    turned.rotation = turned.rotation *
-                      Eigen::AngleAxisd(0.5 * std::numbers::pi * (n + 1), Eigen::Vector3d::UnitZ());
-    turned.translation_m +=
-        middle_world - turned * Eigen::Vector3d(model.box().center().cast<double>());
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const double turn_rad = 0.5 * std::numbers::pi * static_cast<double>(n + 1);
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()));
+    all[n] = world_from_object * Similarity3{1, turn, middle - turn * middle};
   }
   return all;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "deepslam/core/angles.h"
 #include "deepslam/scene/wall_geometry.h"
@@ -54,6 +55,30 @@ bool StandsAt(const LayoutWall& wall, const Pose3& level_from_box, const BoxSide
   return last_m - first_m >= kMinOverlap * side.length_m;
 }
 
+// Of each side how far it is before the wall it stands at, negative where it reaches through; of
+// several the least. Nothing where it stands at none.
+std::array<std::optional<double>, 4> BeforeWalls(const Layout& layout,
+                                                 const Pose3& level_from_box,
+                                                 const Eigen::Vector3d& size_m) {
+  std::array<std::optional<double>, 4> before_m;
+  for (int n = 0; n < 4; ++n) {
+    const BoxSide side = SideOf(level_from_box, size_m, n);
+    std::optional<double>& least_m = before_m[static_cast<std::size_t>(n)];
+    for (const LayoutWall& wall : layout.walls) {
+      if (!(wall.length_m() > 0) || !StandsAt(wall, level_from_box, side)) continue;
+      const double wall_m = DistanceBefore(wall, side.middle_m);
+      least_m = std::min(wall_m, least_m.value_or(wall_m));
+    }
+  }
+  return before_m;
+}
+
+SidesAtWalls AtWalls(const std::array<std::optional<double>, 4>& before_m) {
+  SidesAtWalls at_walls = {};
+  std::ranges::transform(before_m, at_walls.begin(), [](const auto& m) { return m.has_value(); });
+  return at_walls;
+}
+
 // The box of a model, given in its own frame, where the model stands.
 struct StandingBox {
   Pose3 level_from_box;
@@ -74,15 +99,7 @@ struct StandingBox {
 SidesAtWalls FindSidesAtWalls(const Layout& layout,
                               const Pose3& level_from_box,
                               const Eigen::Vector3d& size_m) {
-  SidesAtWalls at_walls = {};
-  for (int n = 0; n < 4; ++n) {
-    const BoxSide side = SideOf(level_from_box, size_m, n);
-    at_walls[static_cast<std::size_t>(n)] =
-        std::ranges::any_of(layout.walls, [&](const LayoutWall& wall) {
-          return wall.length_m() > 0 && StandsAt(wall, level_from_box, side);
-        });
-  }
-  return at_walls;
+  return AtWalls(BeforeWalls(layout, level_from_box, size_m));
 }
 
 double FrontBlocked(const SidesAtWalls& at_walls, int side) {
@@ -103,16 +120,10 @@ double FrontBlocked(const Layout& layout,
 double WallConflict(const Layout& layout,
                     const Pose3& level_from_box,
                     const Eigen::Vector3d& size_m) {
-  SidesAtWalls at_walls = {};
-  for (int n = 0; n < 4; ++n) {
-    const BoxSide side = SideOf(level_from_box, size_m, n);
-    for (const LayoutWall& wall : layout.walls) {
-      if (!(wall.length_m() > 0) || !StandsAt(wall, level_from_box, side)) continue;
-      if (DistanceBefore(wall, side.middle_m) < -kMostThrough_m) return 1;
-      at_walls[static_cast<std::size_t>(n)] = true;
-    }
-  }
-  return FrontBlocked(at_walls, 0);
+  const std::array<std::optional<double>, 4> before_m = BeforeWalls(layout, level_from_box, size_m);
+  const bool is_through = std::ranges::any_of(
+      before_m, [](const std::optional<double>& m) { return m && *m < -kMostThrough_m; });
+  return is_through ? 1 : FrontBlocked(AtWalls(before_m), 0);
 }
 
 double WallConflict(const Layout& layout,

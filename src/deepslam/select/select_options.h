@@ -47,8 +47,8 @@ struct SelectOptions {
   // tell front from back, furniture faces where people go.
   static constexpr double kBackPenalty = 0.03;
   // Subtracted from the score of a candidate whose front is turned to a wall that it stands at, and
-  // in part of one that stands at it with a side: of candidates that depth hardly tells apart,
-  // scores differ by less.
+  // in part of one that stands at it with a side, or that reaches far through a wall (WallConflict
+  // of scene/sides_at_walls.h): of candidates that depth hardly tells apart, scores differ by less.
   static constexpr double kBlockedPenalty = 0.05;
   // Things whose longest side is smaller are left out of the map.
   double min_size_m = 0.25;

@@ -51,7 +51,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      kFrames | kClasses | kLibrary | kPriors,
      RunPropose},
     {"register",
-     10,
+     11,
      "track ground layout associate propose",
      "views register",
      kFrames | kClasses,

@@ -60,9 +60,8 @@ void OdometryBuilder::Promote(const PosedFrame& keyframe) {
 
 void OdometryBuilder::AddEdge(const PosedFrame& i,
                               const PosedFrame& j,
-                              const Pose3& i_from_j,
-                              const Matrix6d& information) {
-  odometry_.edges.push_back({i.frame, j.frame, i_from_j, information, false});
+                              const FrameAlignment& found) {
+  odometry_.edges.push_back({i.frame, j.frame, found.i_from_j, found.information, false});
 }
 
 void OdometryBuilder::AddUncertainEdge(const PosedFrame& i, const PosedFrame& j) {

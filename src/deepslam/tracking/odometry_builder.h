@@ -36,13 +36,7 @@ class OdometryBuilder {
   void AddKeyframe(FrameIdx frame) { odometry_.keyframes.push_back(frame); }
   // A frame that is added already was placed against itself.
   void Promote(const PosedFrame& keyframe);
-  void AddEdge(const PosedFrame& i,
-               const PosedFrame& j,
-               const Pose3& i_from_j,
-               const Matrix6d& information);
-  void AddEdge(const PosedFrame& i, const PosedFrame& j, const alignment::FrameAlignment& found) {
-    AddEdge(i, j, found.i_from_j, found.information);
-  }
+  void AddEdge(const PosedFrame& i, const PosedFrame& j, const alignment::FrameAlignment& found);
   // Across a loss: as the frames lie, and of little information.
   void AddUncertainEdge(const PosedFrame& i, const PosedFrame& j);
 

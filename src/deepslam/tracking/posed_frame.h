@@ -20,8 +20,6 @@ struct PosedFrame {
   int sub_trajectory = 0;
   // World from camera by whoever recorded it, in a world of its own; nothing where it has none.
   std::optional<Pose3> recorded;
-  // Since the keyframe before, a degenerate direction of its motion was predicted alone.
-  bool remapped = false;
 
   [[nodiscard]] PlacedPyramid Placed() const { return {pyramid, world_from_camera}; }
 };

@@ -200,10 +200,8 @@ void Tracker::JoinToKeyframes(PosedFrame& frame, const FrameAlignment* direct) {
       *last.pyramid,
       *frame.pyramid,
       options_.alignment);
-  if (direct != nullptr && found.ok)
-    frame.world_from_camera = last.world_from_camera * found.i_from_j;
-  frame.remapped = found.remapped;
   if (!found.ok) return odometry_.AddUncertainEdge(last, frame);
+  if (direct != nullptr) frame.world_from_camera = last.world_from_camera * found.i_from_j;
   odometry_.AddEdge(last, frame, found);
 }
 
