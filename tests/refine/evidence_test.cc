@@ -79,13 +79,13 @@ TEST_F(EvidenceTest, OneViewOutOfPlaceIsOutvoted) {
 }
 
 // Noise of depth lies along the ray; at low angles little of it is across the surface: here the
-// middle of the top layer is a voxel before what was measured, and a third of one above it.
+// middle of the top layer is half a voxel before what was measured, and a fifth of one above it.
 TEST_F(EvidenceTest, RaysThatGrazeATopMakeNoPitsInIt) {
   constexpr double kElevation_rad = 0.4;
   for (int n = 0; n < 4; ++n) staged_.push_back(LookAt(model_, 0.3 + n, kElevation_rad));
   std::vector<PlacedView> placed;
   for (Staged& staged : staged_) {
-    const auto too_far_m = static_cast<float>(2.2 * kVoxelSize * staged.camera_from_grid.scale);
+    const auto too_far_m = static_cast<float>(1.8 * kVoxelSize * staged.camera_from_grid.scale);
     DepthImage& depth_m = staged.view.depth_crop_m;
     for (std::size_t p = 0; p < depth_m.size(); ++p) depth_m.data()[p] += too_far_m;
     placed.push_back({&staged.view, staged.camera_from_grid});

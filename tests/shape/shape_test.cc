@@ -395,6 +395,22 @@ TEST(StretchGrid, TellsWhereTheGridLayThatItCentred) {
   EXPECT_LT((high - corner({19, 49, 30})).cwiseAbs().maxCoeff(), kVoxelSize);
 }
 
+TEST(StretchGrid, TellsItToTheVoxelWhereNothingIsResampled) {
+  for (const int side : {20, 21}) {  // an odd one cannot stand in the very middle
+    VoxelGrid grid;
+    for (int i = 1; i < 63; ++i) {
+      for (int k = 5; k < 5 + side; ++k) grid.occupied[VoxelGrid::Index(i, 40, k)] = 1;
+    }
+    const VoxelBox box = *OccupiedBox(grid);
+    const VoxelBox centred = *OccupiedBox(StretchGrid(grid, Eigen::Vector3d::Ones()));
+    const Similarity3 grid_from_centred = GridFromCentred(box);
+    const Eigen::Vector3d low =
+        grid_from_centred * VoxelGrid::Center(centred.low.x(), centred.low.y(), centred.low.z());
+    EXPECT_LT((low - VoxelGrid::Center(1, 40, 5)).norm(), 1e-9) << side;
+    EXPECT_DOUBLE_EQ(grid_from_centred.scale, 1) << side;
+  }
+}
+
 TEST(StretchGrid, OfAFullModelByOneIsTheModel) {
   const Result<VoxelGrid> chair = Voxelize(ChairMesh(0.45F, 0.5F, 0.45F, 0.9F, 0.03F));
   ASSERT_TRUE(chair.ok());

@@ -18,8 +18,9 @@
 namespace deepslam::refine {
 namespace {
 
-constexpr float kBeforeSurface = 0.5;  // voxels
-constexpr double kMaxShell_m = 0.025;  // boards of large things are no thicker for their voxels
+// Voxels. Half of one would leave no room for noise to a layer that ends at a level face.
+constexpr double kGrazed = 0.25;
+constexpr double kMaxShell_m = 0.04;  // boards of large things are no thicker for their voxels
 
 // Of a column of voxels.
 struct ColumnVotes {
@@ -37,7 +38,7 @@ class CarvingView {
         camera_from_grid_(placed.camera_from_grid),
         depth_(*placed.view, camera_from_grid_.RigidPart()),
         upward_m_((camera_from_grid_.rotation * Eigen::Vector3d(0, 0, VoxelM())).cast<float>()),
-        before_m_(static_cast<float>(kBeforeSurface * VoxelM())),
+        grazed_m_(static_cast<float>(kGrazed * VoxelM())),
         behind_m_(
             static_cast<float>(std::min(kMaxShell_m, RefineOptions::kSurfaceVoxels * VoxelM()))) {}
 
@@ -64,8 +65,8 @@ class CarvingView {
                             (depth_m[k] <= std::numeric_limits<float>::max()) &
                             (column.z_m[k] <= depth_m[k] + behind_m_);
       const float before_m = depth_m[k] - column.z_m[k];
-      const bool is_before = before_m > before_m_;
-      const bool is_clear = cosine[k] * before_m > before_m_;
+      const bool is_before = before_m > 0;
+      const bool is_clear = cosine[k] * before_m > grazed_m_;
       votes.free[k] += (is_known & is_clear) ? 1 : 0;
       votes.grazed[k] += (is_known & is_before & !is_clear) ? 1 : 0;
       votes.object[k] += (is_known & !is_before & (is_object[k] != 0)) ? 1 : 0;
@@ -82,7 +83,7 @@ class CarvingView {
   Similarity3 camera_from_grid_;
   shape::DepthView depth_;
   Eigen::Vector3f upward_m_;  // from a voxel to the one above, camera
-  float before_m_;
+  float grazed_m_;
   float behind_m_;
 };
 

@@ -29,9 +29,10 @@ struct PlacedView {
 // The views whose crops fit together and whose poses are finite.
 [[nodiscard]] std::vector<PlacedView> UsableViews(std::span<const PlacedView> views);
 
-// How many views say what of a voxel. A measured surface is solid from half a voxel before it to
-// surface_voxels (2.5 cm at most) behind it, along the ray. Further before it a ray passed the
-// voxel, but grazed it within half a voxel of the surface's plane, where noise decides.
+// How many views say what of a voxel by its middle. A measured surface is solid from where it was
+// measured to kSurfaceVoxels (4 cm at most) behind it, along the ray, so that voxels end at the
+// surface in the mean. Before it a ray passed the voxel, but grazed it within a
+// quarter of a voxel of the surface's plane, where noise decides.
 struct Votes {
   int free = 0;
   int grazed = 0;

@@ -129,7 +129,7 @@ std::optional<Eigen::Vector3d> LevelFace(const Points& points, double voxel) {
   return plane;
 }
 
-// With its middle in the level face, rays that see that at any angle find it in one layer and,
+// A layer that ends at the level face: rays that see that at any angle find it in that layer and,
 // where it is a little uneven, in no other. Without one, a layer begins at the floor.
 Similarity3 OnLayers(Similarity3 object_from_grid,
                      const ThingInViews& thing,
@@ -141,7 +141,7 @@ Similarity3 OnLayers(Similarity3 object_from_grid,
   if (!face) return OnFloor(object_from_grid, thing.model.bottom());
   const Eigen::Vector3d up = Eigen::Vector3d(-face->y(), -face->z(), 1).normalized();
   object_from_grid.rotation = ShortestRotation(Eigen::Vector3d::UnitZ(), up);
-  return BeginningAt(object_from_grid, Eigen::Vector3d(0, 0, face->x()) - 0.5 * voxel * up);
+  return BeginningAt(object_from_grid, Eigen::Vector3d(0, 0, face->x()));
 }
 
 // The model's own grid where the box fits into it; else one that holds the box.

@@ -1,6 +1,6 @@
 // Grids that a completed model is carved in: upright and axis-parallel in the object frame, a layer
 // of voxels beginning at the floor that the model stands on; or, where that is asked for and the
-// object has a large level face, turned by 2 degrees at most so that a layer has it in its middle.
+// object has a large level face, turned by 2 degrees at most so that a layer ends at it.
 // Object units throughout.
 #pragma once
 

@@ -17,9 +17,9 @@ struct RefineOptions {
   // (object_views.h).
   static constexpr int kMaxViews = 24;
   int max_evaluations = 20;  // of loss and derivative
-  // Voxels behind a measured point of the object that are solid: one, and half of the next for
-  // rounding.
-  static constexpr double kSurfaceVoxels = 1.5;
+  // Voxels behind a measured point of the object that are solid. With 2 of them edges reach a layer
+  // too far, with 1.5 thin boards of rendered homes lose one.
+  static constexpr double kSurfaceVoxels = 1.75;
   int min_voxels = 200;     // with fewer solid ones the depth says too little
   double prior_weight = 3;  // of the way from the start, in units of the start's size
 };

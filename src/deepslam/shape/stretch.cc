@@ -128,6 +128,29 @@ struct AxisMap {
   double shift = 0;   // target coordinate of source coordinate 0, voxels
 };
 
+// The same along all axes, for what StretchGrid makes of a box.
+struct Centring {
+  Eigen::Array3d factor;
+  Eigen::Array3d shift;
+};
+
+Centring CentringOf(const VoxelBox& box, const Eigen::Vector3d& factors) {
+  const Eigen::Array3d low = box.low.cast<double>();
+  const Eigen::Array3d sides = box.sides().cast<double>();
+  const double longest = (sides * factors.array()).maxCoeff();
+  const Eigen::Array3d factor =
+      factors.array() * (static_cast<double>(kGridSize) * kModelExtent / longest);
+  Eigen::Array3d shift;
+  for (Eigen::Index n = 0; n < 3; ++n) {
+    // Off centre by half a voxel at most, so that the lower face falls on voxel borders and stays
+    // sharp.
+    const double ideal = 0.5 * (kGridSize - factor[n] * sides[n]);
+    const bool keeps = std::abs(factor[n] - 1.0) < 1e-9 && std::abs(ideal - low[n]) <= 0.5;
+    shift[n] = (keeps ? low[n] : std::round(ideal)) - factor[n] * low[n];
+  }
+  return {factor, shift};
+}
+
 // The share of target voxel `to` that source voxel `from` covers.
 struct Cover {
   std::size_t from = 0;
@@ -202,42 +225,23 @@ VoxelGrid SolidFromShares(const std::vector<float>& shares) {
 }
 
 VoxelGrid StretchGrid(const VoxelGrid& grid, const Eigen::Vector3d& factors) {
-  Eigen::Array3d low = Eigen::Array3d::Constant(kGridSize);
-  Eigen::Array3d high = Eigen::Array3d::Zero();
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        if (!grid.At(i, j, k)) continue;
-        low = low.min(Eigen::Array3d(i, j, k));
-        high = high.max(Eigen::Array3d(i, j, k) + 1.0);
-      }
-    }
-  }
-  if ((high <= low).any() || !(factors.array() > 0).all() || !factors.allFinite()) return grid;
-  const Eigen::Array3d size = (high - low) * factors.array();
-  const Eigen::Array3d scale =
-      factors.array() * (static_cast<double>(kGridSize) * kModelExtent / size.maxCoeff());
+  const std::optional<VoxelBox> box = OccupiedBox(grid);
+  if (!box || !(factors.array() > 0).all() || !factors.allFinite()) return grid;
+  const Centring centring = CentringOf(*box, factors);
   std::vector<float> shares(grid.occupied.begin(), grid.occupied.end());
   constexpr std::array<std::size_t, 3> kStride = {kGridSize * kGridSize, kGridSize, 1};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto n = static_cast<Eigen::Index>(axis);
-    // Off centre by half a voxel at most, so that the lower face falls on voxel borders and stays
-    // sharp.
-    const double ideal = 0.5 * (kGridSize - scale[n] * (high[n] - low[n]));
-    const bool keeps = std::abs(scale[n] - 1.0) < 1e-9 && std::abs(ideal - low[n]) <= 0.5;
-    const double low_target = keeps ? low[n] : std::round(ideal);
-    const AxisMap map = {scale[n], low_target - scale[n] * low[n]};
-    shares = ResampleAxis(shares, kStride[axis], map);
+    shares = ResampleAxis(shares, kStride[axis], {centring.factor[n], centring.shift[n]});
   }
   return SolidFromShares(shares);
 }
 
 Similarity3 GridFromCentred(const VoxelBox& box) {
-  const Eigen::Vector3d middle =
-      0.5 * (VoxelGrid::Center(box.low.x(), box.low.y(), box.low.z()) +
-             VoxelGrid::Center(box.high.x(), box.high.y(), box.high.z()));
-  return {
-      box.sides().maxCoeff() * kVoxelSize / kModelExtent, Eigen::Quaterniond::Identity(), middle};
+  const Centring centring = CentringOf(box, Eigen::Vector3d::Ones());
+  const double scale = 1 / centring.factor[0];
+  const Eigen::Array3d origin = scale * (0.5 * kGridSize - centring.shift);  // voxels of the grid
+  return {scale, Eigen::Quaterniond::Identity(), (kVoxelSize * origin - 0.5).matrix()};
 }
 
 VoxelGrid TurnGrid(const VoxelGrid& grid, int quarter_turns) {
