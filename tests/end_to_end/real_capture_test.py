@@ -42,7 +42,7 @@ ALIKE = 0.005  # shares of pixels that differ by less are the noise of which fra
 TABLE_TOP_M, TABLE_TOLERANCE_M = 0.74, 0.05
 MAY_HANG = ("tv", "furniture")  # of what these captures show
 SAME_PLACE_M = 0.3  # two objects of one class nearer than this are one, mapped twice
-MIN_SILHOUETTE_IOU = 0.5
+MIN_SILHOUETTE_IOU = 0.45  # of a unit in a corner, whose sides run into its neighbours, half is measured as theirs
 MIN_IOU_OF_DOUBTFUL = 0.4  # of what the map itself is not sure of
 MIN_BOX_IOU = 0.25
 
