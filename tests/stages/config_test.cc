@@ -138,6 +138,24 @@ TEST(RetiredOptions, AreNoOptions) {
     EXPECT_FALSE(retired.contains(entry.name)) << entry.name;
 }
 
+// What no stage has in its key may change without anything being made again.
+TEST(Keys, HoldEveryOptionButFiles) {
+  std::set<std::string> in_keys;
+  for (const pipeline::Stage& stage :
+       MakePlan(std::make_shared<const RunInputs>(RunInputs{{}, {}, nullptr, {}}))) {
+    for (const auto& [name, value] : stage.options) in_keys.insert(name);
+  }
+  Config config;
+  std::set<std::string> in_none;
+  for (const pipeline::OptionEntry& entry : pipeline::ListOptions(Sections(config))) {
+    if (!in_keys.contains(entry.name)) in_none.insert(entry.name);
+  }
+  // The content of these files is hashed.
+  const std::set<std::string> files = {
+      "classes.file", "detect.file", "detect.weights", "propose.library", "propose.priors"};
+  EXPECT_EQ(in_none, files);
+}
+
 // Every stage that asks for a trait runs again when one changes.
 TEST(Keys, AClassesTraitChangesTheStagesThatLookAtIt) {
   const auto classes_in_keys = [](const ClassTable& classes) {
