@@ -31,8 +31,8 @@ struct PlacedView {
 
 // How many views say what of a voxel by its middle. A measured surface is solid from where it was
 // measured to kSurfaceVoxels (4 cm at most) behind it, along the ray, so that voxels end at the
-// surface in the mean. Before it a ray passed the voxel, but grazed it within a
-// quarter of a voxel of the surface's plane, where noise decides.
+// surface in the mean. Before it a ray passed the voxel, but grazed it within a quarter of a voxel
+// of the surface's plane, where noise decides.
 struct Votes {
   int free = 0;
   int grazed = 0;

@@ -129,8 +129,8 @@ std::optional<Eigen::Vector3d> LevelFace(const Points& points, double voxel) {
   return plane;
 }
 
-// A layer that ends at the level face: rays that see that at any angle find it in that layer and,
-// where it is a little uneven, in no other. Without one, a layer begins at the floor.
+// A layer ends at the level face, so that rays that see the face at any angle find it in that layer
+// and, where it is a little uneven, in no other. Without one, a layer begins at the floor.
 Similarity3 OnLayers(Similarity3 object_from_grid,
                      const ThingInViews& thing,
                      const Points& points) {

@@ -128,27 +128,22 @@ struct AxisMap {
   double shift = 0;   // target coordinate of source coordinate 0, voxels
 };
 
-// The same along all axes, for what StretchGrid makes of a box.
-struct Centring {
-  Eigen::Array3d factor;
-  Eigen::Array3d shift;
-};
-
-Centring CentringOf(const VoxelBox& box, const Eigen::Vector3d& factors) {
-  const Eigen::Array3d low = box.low.cast<double>();
+// What StretchGrid does to a box, along each axis.
+std::array<AxisMap, 3> CentringOf(const VoxelBox& box, const Eigen::Vector3d& factors) {
   const Eigen::Array3d sides = box.sides().cast<double>();
   const double longest = (sides * factors.array()).maxCoeff();
-  const Eigen::Array3d factor =
-      factors.array() * (static_cast<double>(kGridSize) * kModelExtent / longest);
-  Eigen::Array3d shift;
-  for (Eigen::Index n = 0; n < 3; ++n) {
+  std::array<AxisMap, 3> maps;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto n = static_cast<Eigen::Index>(axis);
+    const double factor = factors[n] * (static_cast<double>(kGridSize) * kModelExtent / longest);
+    const double low = box.low[n];
     // Off centre by half a voxel at most, so that the lower face falls on voxel borders and stays
     // sharp.
-    const double ideal = 0.5 * (kGridSize - factor[n] * sides[n]);
-    const bool keeps = std::abs(factor[n] - 1.0) < 1e-9 && std::abs(ideal - low[n]) <= 0.5;
-    shift[n] = (keeps ? low[n] : std::round(ideal)) - factor[n] * low[n];
+    const double ideal = 0.5 * (kGridSize - factor * sides[n]);
+    const bool keeps = std::abs(factor - 1.0) < 1e-9 && std::abs(ideal - low) <= 0.5;
+    maps[axis] = {factor, (keeps ? low : std::round(ideal)) - factor * low};
   }
-  return {factor, shift};
+  return maps;
 }
 
 // The share of target voxel `to` that source voxel `from` covers.
@@ -227,20 +222,19 @@ VoxelGrid SolidFromShares(const std::vector<float>& shares) {
 VoxelGrid StretchGrid(const VoxelGrid& grid, const Eigen::Vector3d& factors) {
   const std::optional<VoxelBox> box = OccupiedBox(grid);
   if (!box || !(factors.array() > 0).all() || !factors.allFinite()) return grid;
-  const Centring centring = CentringOf(*box, factors);
+  const std::array<AxisMap, 3> maps = CentringOf(*box, factors);
   std::vector<float> shares(grid.occupied.begin(), grid.occupied.end());
   constexpr std::array<std::size_t, 3> kStride = {kGridSize * kGridSize, kGridSize, 1};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto n = static_cast<Eigen::Index>(axis);
-    shares = ResampleAxis(shares, kStride[axis], {centring.factor[n], centring.shift[n]});
-  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    shares = ResampleAxis(shares, kStride[axis], maps[axis]);
   return SolidFromShares(shares);
 }
 
 Similarity3 GridFromCentred(const VoxelBox& box) {
-  const Centring centring = CentringOf(box, Eigen::Vector3d::Ones());
-  const double scale = 1 / centring.factor[0];
-  const Eigen::Array3d origin = scale * (0.5 * kGridSize - centring.shift);  // voxels of the grid
+  const std::array<AxisMap, 3> maps = CentringOf(box, Eigen::Vector3d::Ones());
+  const double scale = 1 / maps[0].factor;
+  const Eigen::Array3d shift(maps[0].shift, maps[1].shift, maps[2].shift);
+  const Eigen::Array3d origin = scale * (0.5 * kGridSize - shift);  // voxels of the grid
   return {scale, Eigen::Quaterniond::Identity(), (kVoxelSize * origin - 0.5).matrix()};
 }
 
