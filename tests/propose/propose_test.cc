@@ -335,7 +335,7 @@ TEST(Fused, IsLikeABoxSeenFromAllSides) {
   const ShapeCandidate& candidate = proposals.candidates.front();
   EXPECT_EQ(candidate.source, CandidateSource::kFused);
   EXPECT_EQ(candidate.model, "fused_007");
-  EXPECT_NEAR(candidate.size_m, 0.9, 0.05);
+  EXPECT_NEAR(candidate.size_m, 0.9, 0.025);  // a voxel on each side, and half of one of the test's
   const VoxelGrid& grid = proposals.models.at(candidate.model);
   const double overlap = std::max(shape::GridIntersectionOverUnion(grid, box),
                                   shape::GridIntersectionOverUnion(shape::TurnGrid(grid, 1), box));
@@ -370,6 +370,24 @@ TEST(Fused, KeepsTheSpaceUnderATableFree) {
   // Half-way between floor and top, at the middle.
   const Eigen::Vector3f under(0, 0, 0.5F * (model.box_min().z() + model.box_max().z()));
   EXPECT_GT(model.Distance(under), 0.05F);
+}
+
+// With the volume that it has, although the noise of its depth is about as large as a voxel.
+TEST(Fused, EndsWhereTheSurfaceWasMeasured) {
+  const VoxelGrid box = *shape::Voxelize(testing_support::BoxMesh({0.3F, 0.4F, 0.9F}));
+  Stage stage;
+  stage.size_m = 0.9;
+  stage.sweep_rad = 5.5;
+  stage.num_views = 12;
+  stage.noise_m = 0.003;
+  stage.distance_m = 2.6;
+  const Proposals proposals = Fuse("furniture", StagedViews(box, stage));
+  ASSERT_EQ(proposals.candidates.size(), 1U);
+  const ShapeCandidate& candidate = proposals.candidates.front();
+  const std::vector<std::uint8_t>& voxels = proposals.models.at(candidate.model).occupied;
+  const auto count = std::count(voxels.begin(), voxels.end(), std::uint8_t{1});
+  const double voxel_m = candidate.world_from_object->scale * kVoxelSize;
+  EXPECT_NEAR(static_cast<double>(count) * std::pow(voxel_m, 3) / (0.3 * 0.4 * 0.9), 1, 0.2);
 }
 
 // A box seen from one side: its far half is solid where the class says so, else only a shell is.

@@ -1,5 +1,5 @@
 // What the depth images of an object's views say about points in space: free, surface of the
-// object, behind a surface, or nothing.
+// object, or nothing.
 #pragma once
 
 #include <array>
@@ -26,15 +26,11 @@ namespace deepslam::propose {
                                                        const Pose3& level_from_world);
 
 // Of points side by side; at most one of the flags, each 0 or 1, is set: none for a point outside
-// the crop, of invalid depth, or near a surface that is not the object's. Here, for its callers'
-// loops, which are compiled for wide vectors.
+// the crop, of invalid depth, clearly behind what was measured, or near a surface that is not the
+// object's. Here, for its callers' loops, which are compiled for wide vectors.
 struct EvidenceColumns {
   std::array<std::int32_t, kPointBatch> is_free;     // the ray goes on clearly behind the point
   std::array<std::int32_t, kPointBatch> is_surface;  // the object's segment lies at the point
-  std::array<std::int32_t, kPointBatch> is_behind;   // the ray ends before the point
-  // Distance of the point behind the object's measured surface, along that surface's normal; 0 when
-  // it is not behind the object.
-  PointColumn behind_m;
 
   // What a view says of the first `size` points, a multiple of kPointLanes. `slack_m` widens the
   // tolerance across the surface (size of what is asked about): along a grazing ray it grows.
@@ -53,11 +49,8 @@ struct EvidenceColumns {
       const std::int32_t is_known = depth_m > 0 ? 1 : 0;
       const std::int32_t is_farther = depth_m > z_m + tolerance_m ? is_known : 0;
       const std::int32_t is_nearer = depth_m < z_m - tolerance_m ? is_known & ~is_farther : 0;
-      const float beyond_m = (z_m - depth_m) * readings.cosine[n];
       is_free[n] = is_farther;
-      is_behind[n] = is_nearer;
       is_surface[n] = is_object & is_known & ~is_farther & ~is_nearer;
-      behind_m[n] = ((is_object != 0) & (beyond_m > 0)) ? beyond_m : 0.0F;
     }
   }
 };

@@ -82,32 +82,45 @@ struct Tally {
   }
 };
 
-void Add(const EvidenceColumns& evidence, std::size_t size, float slack_m, Tally& tally) {
+// Voxels end at the measured surface, as those of completed shapes do (refine/evidence.h): before
+// it a ray went through them, but for a quarter of a voxel, where noise decides.
+void Add(const shape::DepthView::ReadingColumns& readings,
+         std::size_t size,
+         float voxel_m,
+         Tally& tally) {
+  constexpr float kGrazed = 0.25F;  // voxels
   // Behind a measured surface this much is taken for solid even in open furniture: boards and legs.
   constexpr float kShell_m = 0.03F;
 #pragma GCC ivdep
   for (std::size_t n = 0; n < size; ++n) {
-    const float behind_m = evidence.behind_m[n];
-    const bool is_behind = (evidence.is_behind[n] != 0) & (behind_m > 0);
-    tally.free[n] += evidence.is_free[n];
-    tally.surface[n] += evidence.is_surface[n];
-    tally.behind[n] |= is_behind ? 1 : 0;
-    tally.shell[n] |= (is_behind & (behind_m < kShell_m + slack_m)) ? 1 : 0;
+    const float depth_m = readings.depth_m[n];
+    const float cosine = readings.cosine[n];
+    const float beyond_m = readings.z_m[n] - depth_m;  // along the ray
+    const bool is_known = depth_m > 0;
+    const bool is_object = readings.is_object[n] != 0;
+    const bool is_free = is_known & (-beyond_m * cosine > kGrazed * voxel_m);
+    const bool is_behind =
+        is_known & (beyond_m > DepthTolerance_m(depth_m) + 0.5F * voxel_m / cosine);
+    const bool is_in_shell = beyond_m * cosine < kShell_m + 0.5F * voxel_m;
+    tally.free[n] += is_free ? 1 : 0;
+    tally.surface[n] += (is_known & is_object & !is_free & !is_behind) ? 1 : 0;
+    tally.behind[n] |= (is_behind & is_object) ? 1 : 0;
+    tally.shell[n] |= (is_behind & is_object & is_in_shell) ? 1 : 0;
   }
 }
 
 Tally TallyOf(std::span<const shape::DepthView> views,
               const VectorColumns& points_level,
               std::size_t size,
-              float slack_m) {
+              float voxel_m) {
   Tally tally;
-  EvidenceColumns evidence;
+  shape::DepthView::ReadingColumns readings;
   auto left = static_cast<std::int32_t>(views.size());
   for (const shape::DepthView& view : views) {
     if (!tally.IsOpen(size, left)) break;
     --left;
-    evidence.Take(view, points_level, size, slack_m);
-    Add(evidence, size, slack_m, tally);
+    view.At(points_level, size, readings);
+    Add(readings, size, voxel_m, tally);
   }
   return tally;
 }
@@ -119,7 +132,7 @@ DEEPSLAM_WIDE_VECTORS void CarveSlice(const Raster& raster,
                                       int i,
                                       VoxelGrid& grid) {
   static_assert(kGridSize <= kPointBatch && kGridSize % kPointLanes == 0);
-  const auto slack_m = static_cast<float>(0.5 * raster.voxel_m());
+  const auto voxel_m = static_cast<float>(raster.voxel_m());
   for (int j = 0; j < kGridSize; ++j) {
     int first = 0;
     while (first < kGridSize && !raster.Inside(i, j, first)) ++first;
@@ -134,7 +147,7 @@ DEEPSLAM_WIDE_VECTORS void CarveSlice(const Raster& raster,
           raster.Center(i, j, std::min(first + static_cast<int>(n), last - 1));
       points.Set(n, p.x(), p.y(), p.z());
     }
-    const Tally tally = TallyOf(views, points, whole, slack_m);
+    const Tally tally = TallyOf(views, points, whole, voxel_m);
     std::uint8_t* const column = grid.occupied.data() + VoxelGrid::Index(i, j, first);
     for (std::size_t n = 0; n < size; ++n) column[n] = tally.IsSolid(n, fill_unseen) ? 1 : 0;
   }

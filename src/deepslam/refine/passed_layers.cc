@@ -10,13 +10,13 @@
 namespace deepslam::refine {
 namespace {
 
-constexpr double kPassedShare = 0.65;  // of a part's edge that was seen
+constexpr double kPassedShare = 0.65;   // of a part's edge that was seen
 constexpr double kSeenEdgeShare = 0.1;  // of its whole edge, passed; less may be a gap of its own
-constexpr double kSeenOfLeg = 0.5;     // likewise, of a leg
-constexpr double kLegShare = 0.1;      // of the model's box from above; what is wider is no leg
+constexpr double kSeenOfLeg = 0.5;      // likewise, of a leg
+constexpr double kLegShare = 0.1;       // of the model's box from above; what is wider is no leg
 // Rays past the outer side of a voxel, for each one that found surface in it: at an edge that
 // rays graze, a misplaced view or two measure what all others look past.
-constexpr double kGrazed = 2.5;
+constexpr double kFreeAgainstSurface = 2.5;
 
 using Cells = std::vector<std::uint8_t>;  // index order of VoxelGrid; 0 or 1
 using Cell = Eigen::Array2i;              // of a layer
@@ -63,7 +63,8 @@ class Layers {
   [[nodiscard]] bool IsGrazed(std::size_t n, const Cell& outer, int k) const {
     if (!VoxelGrid::Contains(outer.x(), outer.y(), k)) return false;
     const Votes& beyond = votes_[VoxelGrid::Index(outer.x(), outer.y(), k)];
-    return beyond.IsFree() && beyond.free > kGrazed * (votes_[n].object + votes_[n].other);
+    return beyond.IsFree() &&
+           beyond.free > kFreeAgainstSurface * (votes_[n].object + votes_[n].other);
   }
 
   const VoxelGrid& model_;
