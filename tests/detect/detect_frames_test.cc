@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <initializer_list>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -9,6 +11,7 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/detect/sharpness.h"
 #include "support/box_world.h"
 #include "support/recording_progress.h"
 
@@ -305,6 +308,111 @@ TEST(FramesOfNewSurface, LeavesOutWhatShowsTheSameButNotWhatIsGiven) {
   std::vector<FrameIdx> with_given = frames;
   with_given.push_back(given.frame);
   EXPECT_EQ(scene.NewOf({given}), with_given);
+}
+
+// Stripes of a pixel; of six where the camera moved.
+IntensityImage Stripes(int width_px) {
+  IntensityImage image(60, 40);
+  for (int v = 0; v < image.height(); ++v) {
+    for (int u = 0; u < image.width(); ++u) image(u, v) = (u / width_px) % 2 == 0 ? 0.0F : 200.0F;
+  }
+  return image;
+}
+
+TEST(Sharpness, IsGreaterOfNarrowStripesAndNothingOfNoPicture) {
+  EXPECT_GT(Sharpness(Stripes(1)), 2 * Sharpness(Stripes(6)));
+  EXPECT_GT(Sharpness(Stripes(6)), 0);
+  EXPECT_EQ(Sharpness(IntensityImage(60, 40, 90.0F)), 0);
+  EXPECT_EQ(Sharpness(IntensityImage(2, 40, 90.0F)), 0);
+  EXPECT_EQ(Sharpness(IntensityImage()), 0);
+}
+
+// The same pictures; some are blurred by motion, so that nothing is left of edges.
+class ShakenSource final : public FrameSource {
+ public:
+  [[nodiscard]] int num_frames() const override { return still.num_frames(); }
+  [[nodiscard]] const PinholeCamera& camera() const override { return still.camera(); }
+  [[nodiscard]] double time_s(FrameIdx frame) const override { return frame.value / frames_per_s; }
+  [[nodiscard]] Result<Frame> Read(FrameIdx frame) const override { return still.Read(frame); }
+  [[nodiscard]] Result<Frame> ReadDepth(FrameIdx frame) const override {
+    return still.ReadDepth(frame);
+  }
+  [[nodiscard]] Result<Frame> ReadColour(FrameIdx frame) const override {
+    return still.ReadColour(frame);
+  }
+  [[nodiscard]] std::optional<Pose3> capture_world_from_camera(FrameIdx frame) const override {
+    return still.capture_world_from_camera(frame);
+  }
+  [[nodiscard]] Result<IntensityImage> ReadIntensity(FrameIdx frame, int) const override {
+    if (std::ranges::find(unreadable, frame.value) != unreadable.end())
+      return InvalidInput("no picture");
+    return Stripes(std::ranges::find(sharp, frame.value) != sharp.end() ? 1 : 6);
+  }
+
+  BoxWorldSource still{{kCabinetBox, kChairBox}, Orbit({0, 0.3, 0.3}, 2.2, 1.4, -90, 180, 20)};
+  double frames_per_s = 30;
+  std::vector<int> sharp;
+  std::vector<int> unreadable;
+};
+
+// A camera that goes half round within twenty frames, of which every tenth is a keyframe.
+struct ShakenCamera {
+  ShakenCamera() {
+    ground.plane_world = Plane{};
+    path.keyframes = {FrameIdx{0}, FrameIdx{10}, FrameIdx{19}};
+  }
+  [[nodiscard]] std::vector<FrameIdx> NewOf(const std::vector<Detection>& given) const {
+    RecordingProgress progress;
+    const auto frames =
+        FramesOfNewSurface({source, path, ground, classes, given}, path.keyframes, progress);
+    EXPECT_TRUE(frames.ok());
+    return frames.ok() ? *frames : std::vector<FrameIdx>();
+  }
+
+  ShakenSource source;
+  Odometry path = source.still.TrueOdometry();
+  Ground ground;
+  ClassTable classes = Classes();
+};
+
+std::vector<FrameIdx> Frames(std::initializer_list<int> values) {
+  std::vector<FrameIdx> frames;
+  for (const int value : values) frames.push_back(FrameIdx{value});
+  return frames;
+}
+
+TEST(FramesOfNewSurface, HaveASharperOneBesideThemWhereTheyAreBlurred) {
+  ShakenCamera scene;
+  EXPECT_EQ(scene.NewOf({}), scene.path.keyframes);
+  scene.source.sharp = {3, 12, 13};
+  EXPECT_EQ(scene.NewOf({}), Frames({0, 3, 10, 12, 19}));
+  scene.source.sharp = {5, 9, 10};  // too far from the first; the keyframe is sharp itself
+  EXPECT_EQ(scene.NewOf({}), Frames({0, 10, 19}));
+  scene.source.sharp = {1, 11};
+  EXPECT_EQ(scene.NewOf({}), Frames({0, 1, 10, 11, 19}));
+  scene.source.frames_per_s = 5;  // a fifth of a second between two
+  EXPECT_EQ(scene.NewOf({}), scene.path.keyframes);
+}
+
+TEST(FramesOfNewSurface, ASharpFrameIsBesideOneOfThemAlone) {
+  ShakenCamera scene;
+  scene.path.keyframes = Frames({0, 4, 19});
+  scene.source.sharp = {2};
+  EXPECT_EQ(scene.NewOf({}), Frames({0, 4, 19}));
+  scene.source.sharp = {3};
+  EXPECT_EQ(scene.NewOf({}), Frames({0, 3, 4, 19}));
+}
+
+TEST(FramesOfNewSurface, HaveNoneBesideThemThatIsOfNoUse) {
+  ShakenCamera scene;
+  scene.source.sharp = {3, 12};
+  Detection given;
+  given.frame = FrameIdx{0};
+  scene.path.frames[12].status = TrackingStatus::kLost;
+  EXPECT_EQ(scene.NewOf({given}), scene.path.keyframes);
+  scene.source.sharp = {3};
+  scene.source.unreadable = {3, 19};
+  EXPECT_EQ(scene.NewOf({}), scene.path.keyframes);
 }
 
 TEST(FramesOfNewSurface, AreAllWithoutAGround) {

@@ -157,5 +157,45 @@ TEST(AssociateCapture, SilhouettesOfATableAreWithoutWhatStandsOnIt) {
   EXPECT_GT(taken[kTable], 0.75 * shown[kTable]);
 }
 
+// Keyframes are its views, those of a user's file too; in all others the detector votes.
+TEST(AssociateCapture, FramesThatTheDetectorAloneLookedAtOnlyVote) {
+  constexpr int kTable = 0;
+  const BoxWorldSource source(TableAt(kTable, 0, 0), Orbit({0, 0, 0.5}, 2.4, 1.6, 10, 30, 12));
+  Odometry odometry = source.TrueOdometry();
+  odometry.keyframes = {FrameIdx{0}, FrameIdx{4}, FrameIdx{8}};
+  std::vector<FrameIdx> looked_at;
+  std::vector<Detection> detections;
+  for (const int f : {0, 1, 4, 6, 8, 9}) {
+    looked_at.push_back({f});
+    detections.push_back(*DetectTruth(source.View({f}), kTable, "table"));
+    detections.back().id = {f};
+    detections.back().score = 0.5;
+    detections.back().source = f == 6 ? DetectionSource::kFile : DetectionSource::kNetwork;
+  }
+  ClassTable classes;
+  classes.classes = {
+      {"table", {"dining table"}, {}, 0.4, 4, 0.3, 1.2, {}, {.support_plane = true}}};
+  const std::vector<int> part_of_frame(odometry.frames.size(), 0);
+  SilentProgress progress;
+  const std::optional<SurfaceOfCapture> surface = SurfaceOf(source);
+  const Result<FoundThings> found = AssociateCapture(
+      {source, odometry, part_of_frame, {}, classes, looked_at, detections, surface, {}},
+      {},
+      {},
+      {},
+      progress);
+  ASSERT_TRUE(found.ok());
+  ASSERT_THAT(found->association.tracks, SizeIs(1));
+  EXPECT_NEAR(found->association.tracks[0].class_votes.at("table"), 6 * 0.5, 1e-9);
+  EXPECT_THAT(found->segments,
+              testing::ElementsAre(testing::Field(&Segment::frame, FrameIdx{0}),
+                                   testing::Field(&Segment::frame, FrameIdx{4}),
+                                   testing::Field(&Segment::frame, FrameIdx{6}),
+                                   testing::Field(&Segment::frame, FrameIdx{8})));
+  EXPECT_THAT(found->association.rejections,
+              testing::ElementsAre(testing::Field(&Rejection::frame, FrameIdx{1}),
+                                   testing::Field(&Rejection::frame, FrameIdx{9})));
+}
+
 }  // namespace
 }  // namespace deepslam::discovery

@@ -1,9 +1,11 @@
 #include "deepslam/detect/detect_frames.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <latch>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -12,6 +14,7 @@
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/detect/new_surface.h"
+#include "deepslam/detect/sharpness.h"
 #include "deepslam/detect/turned_detections.h"
 #include "deepslam/scene/upright_turns.h"
 
@@ -191,6 +194,61 @@ void WarnOf(const FrameFinds& finds, FrameIdx frame, Progress& progress) {
   if (!finds.warning.empty()) progress.Warn(finds.warning);
 }
 
+// To either side of a frame that is to be looked at: a hand that shakes comes to rest within it
+// while the view stays.
+constexpr double kSharpestReachS = 0.15;
+// A picture is blurred where one beside it is sharper by this factor.
+constexpr double kBlurred = 1.5;
+// Of the pictures' sides: noise of single pixels counts for little, motion blur of two and more is
+// seen.
+constexpr int kSharpnessReduction = 2;
+
+// The frames at most kSharpestReachS away from frames[k] that are nearer to it than to its
+// neighbours.
+std::vector<FrameIdx> Beside(std::span<const FrameIdx> frames,
+                             std::size_t k,
+                             const DetectionInputs& inputs) {
+  const int middle = frames[k].value;
+  const double time_s = inputs.frames.time_s(frames[k]);
+  const int first = k > 0 ? (frames[k - 1].value + middle) / 2 + 1 : 0;
+  const int last = k + 1 < frames.size() ? (middle + frames[k + 1].value - 1) / 2
+                                         : inputs.frames.num_frames() - 1;
+  std::vector<FrameIdx> beside;
+  const auto take = [&](FrameIdx frame) {
+    if (std::abs(inputs.frames.time_s(frame) - time_s) > kSharpestReachS) return false;
+    if (IsAligned(inputs.trajectory.at(frame)) && ApartAt(inputs.ground, frame) == nullptr)
+      beside.push_back(frame);
+    return true;
+  };
+  for (int value = middle - 1; value >= first && take(FrameIdx{value}); --value) {
+  }
+  for (int value = middle + 1; value <= last && take(FrameIdx{value}); ++value) {
+  }
+  return beside;
+}
+
+// The sharpest of them, the nearest of equal ones; none where frames[k] is not blurred beside it,
+// or its picture cannot be read.
+std::optional<FrameIdx> SharperBeside(std::span<const FrameIdx> frames,
+                                      std::size_t k,
+                                      const DetectionInputs& inputs) {
+  const auto sharpness_of = [&](FrameIdx frame) {
+    const Result<IntensityImage> intensity =
+        inputs.frames.ReadIntensity(frame, kSharpnessReduction);
+    return intensity.ok() ? Sharpness(*intensity) : 0;
+  };
+  double most = kBlurred * sharpness_of(frames[k]);
+  if (most == 0) return std::nullopt;
+  std::optional<FrameIdx> sharpest;
+  for (const FrameIdx frame : Beside(frames, k, inputs)) {
+    const double sharpness = sharpness_of(frame);
+    if (sharpness <= most) continue;
+    most = sharpness;
+    sharpest = frame;
+  }
+  return sharpest;
+}
+
 // Detections of one frame, with those given for it.
 std::vector<Detection> Joined(FrameFinds finds, FrameIdx frame, std::span<const Detection> given) {
   if (finds.unread_depth || finds.unread_colour) return {};
@@ -233,12 +291,22 @@ Result<std::vector<FrameIdx>> FramesOfNewSurface(const DetectionInputs& inputs,
   });
   if (progress.StopRequested()) return Interrupted();
   const std::vector<bool> show_new = ShowNewSurface(cells);
+  const auto is_given = [&](FrameIdx frame) {
+    return std::ranges::binary_search(inputs.given, frame, {}, &Detection::frame);
+  };
   std::vector<FrameIdx> frames;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    const bool is_given =
-        std::ranges::binary_search(inputs.given, wanted[k], {}, &Detection::frame);
-    if (show_new[k] || is_given) frames.push_back(wanted[k]);
+    if (show_new[k] || is_given(wanted[k])) frames.push_back(wanted[k]);
   }
+  std::vector<std::optional<FrameIdx>> sharper(frames.size());
+  ParallelFor(frames.size(), [&](std::size_t k) {
+    if (!is_given(frames[k]) && ApartAt(inputs.ground, frames[k]) == nullptr)
+      sharper[k] = SharperBeside(frames, k, inputs);
+  });
+  for (const std::optional<FrameIdx>& frame : sharper) {
+    if (frame) frames.push_back(*frame);
+  }
+  std::ranges::sort(frames);
   return frames;
 }
 

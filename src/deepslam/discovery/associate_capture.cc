@@ -11,8 +11,8 @@ namespace deepslam::discovery {
 namespace {
 
 struct Divided {
-  std::vector<FrameIdx> wanted;       // in the surface's world: keyframes, and those looked at
-  std::vector<FrameIdx> looked_at;    // of them
+  std::vector<FrameIdx> wanted;       // in the surface's world: keyframes, those of a user's masks
+  std::vector<FrameIdx> looked_at;    // in the surface's world
   std::vector<Detection> detections;  // of these frames
   std::vector<Segment> elsewhere;     // of all other frames
 };
@@ -25,14 +25,16 @@ Divided Divide(const CaptureInputs& inputs, std::vector<Segment> segments) {
   for (const FrameIdx frame : inputs.looked_at) {
     if (!is_elsewhere(frame)) divided.looked_at.push_back(frame);
   }
-  std::set<FrameIdx> wanted(divided.looked_at.begin(), divided.looked_at.end());
+  std::set<FrameIdx> wanted;
   for (const FrameIdx frame : inputs.trajectory.keyframes) {
     if (!is_elsewhere(frame)) wanted.insert(frame);
   }
-  divided.wanted.assign(wanted.begin(), wanted.end());
   for (const Detection& detection : inputs.detections) {
-    if (!is_elsewhere(detection.frame)) divided.detections.push_back(detection);
+    if (is_elsewhere(detection.frame)) continue;
+    divided.detections.push_back(detection);
+    if (detection.source == DetectionSource::kFile) wanted.insert(detection.frame);
   }
+  divided.wanted.assign(wanted.begin(), wanted.end());
   std::ranges::stable_sort(divided.detections, {}, &Detection::frame);
   for (Segment& segment : segments) {
     if (is_elsewhere(segment.frame)) divided.elsewhere.push_back(std::move(segment));

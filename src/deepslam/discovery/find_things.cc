@@ -140,11 +140,18 @@ class Tracks {
     }
     for (std::size_t d = 0; d < detections.size(); ++d) {
       if (!is_used[d]) Reject(detections[d], thing_of_detection[d]);
-      if (thing_of_detection[d] >= 0 && detections[d].source != DetectionSource::kCluster) {
-        votes_[static_cast<std::size_t>(thing_of_detection[d])][detections[d].class_name] +=
-            detections[d].score;
-      }
     }
+    Count(detections, thing_of_detection);
+  }
+
+  // The detections of a frame without silhouettes: votes alone.
+  void AddVotes(FrameIdx frame, const std::vector<int>& thing_of_detection) {
+    const std::span<const Detection> detections = DetectionsOf(inputs_, frame);
+    for (std::size_t d = 0; d < detections.size(); ++d) {
+      rejections_.push_back(
+          {detections[d].id, frame, "it votes for a class; outlines are cut in keyframes"});
+    }
+    Count(detections, thing_of_detection);
   }
 
   // `best`: where each thing shows best.
@@ -200,6 +207,14 @@ class Tracks {
         best = d;
     }
     return best;
+  }
+
+  void Count(std::span<const Detection> detections, const std::vector<int>& thing_of_detection) {
+    for (std::size_t d = 0; d < detections.size(); ++d) {
+      if (thing_of_detection[d] < 0 || detections[d].source == DetectionSource::kCluster) continue;
+      votes_[static_cast<std::size_t>(thing_of_detection[d])][detections[d].class_name] +=
+          detections[d].score;
+    }
   }
 
   void Reject(const Detection& detection, int thing) {
@@ -327,6 +342,11 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
   const Status status =
       ForDepthFrames<Looked>(inputs.frames, inputs.wanted, false, progress, look, add);
   if (!status.ok()) return status.error();
+  for (const FrameIdx frame : inputs.looked_at) {
+    if (std::ranges::binary_search(inputs.wanted, frame)) continue;
+    tracks.AddVotes(frame,
+                    ThingsDetectedIn(frame, inputs, *claims, superpoints, thing_of_superpoint));
+  }
   return std::move(tracks).Take(best);
 }
 

@@ -38,8 +38,8 @@ struct ThingInputs {
   const CoarseSurface& surface;  // of these frames
   const Layout& layout;          // of this surface
   const ClassTable& classes;
-  // Frames that the surface was made of, ascending: those whose silhouettes are wanted, and of them
-  // those that the detector looked at.
+  // Ascending: frames whose silhouettes are wanted, and those that the detector looked at, of which
+  // others only vote.
   std::span<const FrameIdx> wanted;
   std::span<const FrameIdx> looked_at;
   std::span<const Detection> detections;  // of these frames, in ascending frames

@@ -37,7 +37,8 @@ void Describe(OptionsVisitor& visitor, DetectStageOptions& options) {
   visitor.Choice("frames",
                  options.frames,
                  kDetectFrames,
-                 "frames the detector looks at; new: keyframes that show something new");
+                 "frames the detector looks at; new: keyframes that show something new, sharper "
+                 "ones beside them");
 }
 
 void Describe(OptionsVisitor& visitor, ProposeStageOptions& options) {
