@@ -254,6 +254,18 @@ class Tracks {
   std::vector<Rejection> rejections_;
 };
 
+void AddFramesThatVote(const ThingInputs& inputs,
+                       const Claims& claims,
+                       const Superpoints& superpoints,
+                       const std::vector<int>& thing_of_superpoint,
+                       Tracks& tracks) {
+  for (const FrameIdx frame : inputs.looked_at) {
+    if (std::ranges::binary_search(inputs.wanted, frame)) continue;
+    tracks.AddVotes(frame,
+                    ThingsDetectedIn(frame, inputs, claims, superpoints, thing_of_superpoint));
+  }
+}
+
 // What a frame shows.
 struct Looked {
   std::vector<int> thing_of_detection;
@@ -298,8 +310,6 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
   Result<Claims> claims =
       CollectClaims(inputs, elements, superpoints, options.instances.votes, progress);
   if (!claims.ok()) return claims.error();
-  claims->votes.classes.resize(static_cast<std::size_t>(superpoints.count()));
-  claims->votes.num_views.resize(static_cast<std::size_t>(superpoints.count()), 0);
   const Instances found = instances::FindInstances(elements,
                                                    superpoints,
                                                    pairs,
@@ -342,11 +352,7 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
   const Status status =
       ForDepthFrames<Looked>(inputs.frames, inputs.wanted, false, progress, look, add);
   if (!status.ok()) return status.error();
-  for (const FrameIdx frame : inputs.looked_at) {
-    if (std::ranges::binary_search(inputs.wanted, frame)) continue;
-    tracks.AddVotes(frame,
-                    ThingsDetectedIn(frame, inputs, *claims, superpoints, thing_of_superpoint));
-  }
+  AddFramesThatVote(inputs, *claims, superpoints, thing_of_superpoint, tracks);
   return std::move(tracks).Take(best);
 }
 

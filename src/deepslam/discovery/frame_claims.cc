@@ -22,6 +22,8 @@ Result<Claims> CollectClaims(const ThingInputs& inputs,
                              Progress& progress) {
   Claims claims;
   claims.frames.resize(inputs.looked_at.size());
+  claims.votes.classes.resize(static_cast<std::size_t>(superpoints.count()));
+  claims.votes.num_views.resize(static_cast<std::size_t>(superpoints.count()), 0);
   const auto claim = [&](std::size_t n, const Frame& frame) {
     const std::span<const Detection> detections = DetectionsOf(inputs, inputs.looked_at[n]);
     const instances::VotingView view{&frame.depth_m,
