@@ -45,7 +45,7 @@ TEST(ObjectPixels, AreThoseOfAllObjectsOfTheFrame) {
   const std::vector<Segment> segments = {SegmentOf(FrameIdx{0}, OnePixel(1, 1)),
                                          SegmentOf(FrameIdx{0}, OnePixel(3, 2)),
                                          SegmentOf(FrameIdx{7}, OnePixel(0, 0))};
-  const ObjectMasks masks = MasksByFrame(looked_at, segments);
+  const ObjectMasks masks = MasksByFrame(looked_at, looked_at, segments);
   const Mask both = ObjectPixels(masks, FrameIdx{0});
   for (int v = 0; v < 3; ++v) {
     for (int u = 0; u < 4; ++u)
@@ -59,16 +59,18 @@ TEST(ObjectPixels, AreThoseOfAllObjectsOfTheFrame) {
 TEST(ObjectPixels, AMaskOfAnotherSizeCountsForNothing) {
   const std::vector<Segment> segments = {SegmentOf(FrameIdx{0}, OnePixel(1, 1)),
                                          SegmentOf(FrameIdx{0}, OnePixel(0, 0, 9, 9))};
-  EXPECT_EQ(ObjectPixels(MasksByFrame({}, segments), FrameIdx{0}), OnePixel(1, 1));
+  EXPECT_EQ(ObjectPixels(MasksByFrame({}, {}, segments), FrameIdx{0}), OnePixel(1, 1));
 }
 
-TEST(FramesWithMasks, AreTheAlignedOnesThatWereLookedAt) {
-  std::vector<TrackedFrame> frames(4);
-  for (int n = 0; n < 4; ++n) frames[static_cast<std::size_t>(n)].frame = FrameIdx{n};
+TEST(FramesWithMasks, AreTheAlignedKeyframesThatWereLookedAtAndThoseWithObjects) {
+  std::vector<TrackedFrame> frames(6);
+  for (int n = 0; n < 6; ++n) frames[static_cast<std::size_t>(n)].frame = FrameIdx{n};
   frames[1].status = TrackingStatus::kLost;
-  const std::vector<FrameIdx> looked_at = {FrameIdx{0}, FrameIdx{1}, FrameIdx{3}};
-  const ObjectMasks masks = MasksByFrame(looked_at, {});
-  EXPECT_THAT(FramesWithMasks(frames, masks), ElementsAre(FrameIdx{0}, FrameIdx{3}));
+  const std::vector<FrameIdx> looked_at = {FrameIdx{0}, FrameIdx{1}, FrameIdx{3}, FrameIdx{5}};
+  const std::vector<FrameIdx> keyframes = {FrameIdx{0}, FrameIdx{1}, FrameIdx{2}, FrameIdx{3}};
+  const std::vector<Segment> segments = {SegmentOf(FrameIdx{4}, OnePixel(1, 1))};
+  const ObjectMasks masks = MasksByFrame(looked_at, keyframes, segments);
+  EXPECT_THAT(FramesWithMasks(frames, masks), ElementsAre(FrameIdx{0}, FrameIdx{3}, FrameIdx{4}));
 }
 
 }  // namespace

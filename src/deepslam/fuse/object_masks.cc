@@ -28,9 +28,13 @@ std::set<DetectionId> DetectionsOfMap(const OptimizedMap& map, const Association
   return detections;
 }
 
-ObjectMasks MasksByFrame(std::span<const FrameIdx> looked_at, std::span<const Segment> segments) {
+ObjectMasks MasksByFrame(std::span<const FrameIdx> looked_at,
+                         std::span<const FrameIdx> keyframes,
+                         std::span<const Segment> segments) {
   ObjectMasks masks;
-  for (const FrameIdx frame : looked_at) masks[frame];
+  for (const FrameIdx frame : looked_at) {
+    if (std::ranges::find(keyframes, frame) != keyframes.end()) masks[frame];
+  }
   for (const Segment& segment : segments) masks[segment.frame].push_back(segment.mask);
   return masks;
 }

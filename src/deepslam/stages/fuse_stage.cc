@@ -18,8 +18,7 @@ using fuse::ObjectMasks;
 using pipeline::StageContext;
 using pipeline::StageSummary;
 
-// The pixels of objects that are in the map, of all frames in which something was looked for:
-// frames in which nothing was found have nothing to leave out.
+// The pixels of objects that are in the map.
 Result<ObjectMasks> ReadMasks(const StageContext& context, const OptimizedMap& map) {
   const Result<Association> association = ReadAssociation(context, "loops");
   if (!association.ok()) return association.error();
@@ -30,7 +29,7 @@ Result<ObjectMasks> ReadMasks(const StageContext& context, const OptimizedMap& m
   if (!detections.ok()) return detections.error();
   std::vector<FrameIdx> looked_at;
   for (const artifact::DetectedImage& image : detections->images) looked_at.push_back(image.frame);
-  return fuse::MasksByFrame(looked_at, *segments);
+  return fuse::MasksByFrame(looked_at, map.keyframes, *segments);
 }
 
 StageSummary Summarise(std::size_t num_frames, const TriangleMesh& surface) {

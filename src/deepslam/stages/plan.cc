@@ -75,7 +75,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      "views mesh.surface mesh.refine mesh.colour",
      kFrames | kClasses,
      RunMesh},
-    {"fuse", 5, "detect associate loops optimize", "fuse", kFrames, RunFuse},
+    {"fuse", 6, "detect associate loops optimize", "fuse", kFrames, RunFuse},
     {"export",
      13,
      "track ground layout propose select loops optimize mesh fuse",
