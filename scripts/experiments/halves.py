@@ -3,7 +3,7 @@
 
     scripts/experiments/halves.py CAPTURE [--deepslam PROGRAM] [--work out/halves] [-- RUN OPTIONS]
 
-The detector runs once. Of the frames it looked at, the even ones are one half, the odd ones the other; each half's detections
+The detector runs once. Of the keyframes, which it looks at, the even ones are one half, the odd ones the other; each half's detections
 make a map of their own (`detect.source=file`, no depth clusters, `associate.method=votes`), with the same tracking. `deepslam eval
 selection --held-out --judge-by` then scores the models of each half in the views that the other half has of the same object: the
 share of the object's depth within 2 cm of the model, and the share of the rays that go through it. Objects of both halves are one
@@ -19,6 +19,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HALVES = ("even", "odd")
 ROWS = ("initial", "fused", "as proposed", "selected")
+# All of them, as outlines are cut there; a sharper frame beside one would put the same view into both halves.
+KEYFRAMES = ("--set", "detect.frames=keyframes")
 # By votes: things found in the surface of all frames would be made of both halves.
 FROM_FILE = ("--set", "detect.source=file", "--set", "detect.clusters.enabled=false", "--set", "associate.method=votes")
 
@@ -38,7 +40,7 @@ def call(program, *command):
 def mapped_halves(args):
     """Half -> workspace."""
     whole = args.work / "whole"
-    call(args.deepslam, "run", args.capture, "-o", whole, "--until", "detect", *args.run_options)
+    call(args.deepslam, "run", args.capture, "-o", whole, "--until", "detect", *KEYFRAMES, *args.run_options)
     detections = json.loads((whole / "detect/detections.json").read_text())
     workspaces = {}
     for first, half in enumerate(HALVES):
