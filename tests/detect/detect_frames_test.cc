@@ -281,21 +281,29 @@ TEST(FramesToSearch, AreKeyframesThoseGivenOrAllThatHaveAPose) {
               ElementsAre(FrameIdx{0}, FrameIdx{1}, FrameIdx{2}, FrameIdx{5}));
 }
 
+// Of the keyframes.
+std::vector<FrameIdx> NewFramesOf(const FrameSource& source,
+                                  const Odometry& path,
+                                  const Ground& ground,
+                                  const std::vector<Detection>& given) {
+  RecordingProgress progress;
+  const ClassTable classes = Classes();
+  const auto frames =
+      FramesOfNewSurface({source, path, ground, classes, given}, path.keyframes, progress);
+  EXPECT_TRUE(frames.ok());
+  return frames.ok() ? *frames : std::vector<FrameIdx>();
+}
+
 // A camera that stands still for twenty frames.
 struct StandingCamera {
   StandingCamera() { ground.plane_world = Plane{}; }
   [[nodiscard]] std::vector<FrameIdx> NewOf(const std::vector<Detection>& given) const {
-    RecordingProgress progress;
-    const auto frames =
-        FramesOfNewSurface({source, path, ground, classes, given}, path.keyframes, progress);
-    EXPECT_TRUE(frames.ok());
-    return frames.ok() ? *frames : std::vector<FrameIdx>();
+    return NewFramesOf(source, path, ground, given);
   }
 
   BoxWorldSource source{{kCabinetBox, kChairBox}, Orbit({0, 0.3, 0.3}, 2.2, 1.4, -90, 0, 20)};
   Odometry path = source.TrueOdometry();
   Ground ground;
-  ClassTable classes = Classes();
 };
 
 TEST(FramesOfNewSurface, LeavesOutWhatShowsTheSameButNotWhatIsGiven) {
@@ -362,17 +370,12 @@ struct ShakenCamera {
     path.keyframes = {FrameIdx{0}, FrameIdx{10}, FrameIdx{19}};
   }
   [[nodiscard]] std::vector<FrameIdx> NewOf(const std::vector<Detection>& given) const {
-    RecordingProgress progress;
-    const auto frames =
-        FramesOfNewSurface({source, path, ground, classes, given}, path.keyframes, progress);
-    EXPECT_TRUE(frames.ok());
-    return frames.ok() ? *frames : std::vector<FrameIdx>();
+    return NewFramesOf(source, path, ground, given);
   }
 
   ShakenSource source;
   Odometry path = source.still.TrueOdometry();
   Ground ground;
-  ClassTable classes = Classes();
 };
 
 std::vector<FrameIdx> Frames(std::initializer_list<int> values) {

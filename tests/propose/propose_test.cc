@@ -324,19 +324,33 @@ Proposals Fuse(const std::string& class_name, std::span<const ObjectView> views)
   return *proposals;
 }
 
-TEST(Fused, IsLikeABoxSeenFromAllSides) {
-  const VoxelGrid box = *shape::Voxelize(testing_support::BoxMesh({0.5F, 0.7F, 0.9F}));
+// A box of 0.9 m height, seen from all sides, and what is fused of it.
+class FusedBox {
+ public:
+  explicit FusedBox(const Eigen::Vector2f& sides_m, Stage from = {})
+      : stage(from),
+        box(*shape::Voxelize(testing_support::BoxMesh({sides_m.x(), sides_m.y(), 0.9F}))) {
+    stage.size_m = 0.9;
+    stage.sweep_rad = 5.5;
+    proposals = Fuse("furniture", StagedViews(box, stage));
+    EXPECT_EQ(proposals.candidates.size(), 1U);
+  }
+  [[nodiscard]] const ShapeCandidate& candidate() const { return proposals.candidates.at(0); }
+  [[nodiscard]] const VoxelGrid& grid() const { return proposals.models.at(candidate().model); }
+
   Stage stage;
-  stage.size_m = 0.9;
-  stage.sweep_rad = 5.5;
-  stage.num_views = 8;
-  const Proposals proposals = Fuse("furniture", StagedViews(box, stage));
-  ASSERT_EQ(proposals.candidates.size(), 1U);
-  const ShapeCandidate& candidate = proposals.candidates.front();
+  VoxelGrid box;
+  Proposals proposals;
+};
+
+TEST(Fused, IsLikeABoxSeenFromAllSides) {
+  const FusedBox fused({0.5F, 0.7F}, {.num_views = 8});
+  const ShapeCandidate& candidate = fused.candidate();
+  const VoxelGrid& box = fused.box;
   EXPECT_EQ(candidate.source, CandidateSource::kFused);
   EXPECT_EQ(candidate.model, "fused_007");
   EXPECT_NEAR(candidate.size_m, 0.9, 0.025);  // a voxel on each side, and half of one of the test's
-  const VoxelGrid& grid = proposals.models.at(candidate.model);
+  const VoxelGrid& grid = fused.grid();
   const double overlap = std::max(shape::GridIntersectionOverUnion(grid, box),
                                   shape::GridIntersectionOverUnion(shape::TurnGrid(grid, 1), box));
   EXPECT_GT(overlap, 0.8);
@@ -344,7 +358,7 @@ TEST(Fused, IsLikeABoxSeenFromAllSides) {
   ASSERT_TRUE(candidate.world_from_object);
   const Similarity3 true_from_measured =
       (testing_support::StagedWorldFromLevel() *
-       testing_support::StagedLevelFromObject(shape::ShapeModel(box), stage))
+       testing_support::StagedLevelFromObject(shape::ShapeModel(box), fused.stage))
           .Inverse() *
       *candidate.world_from_object;
   EXPECT_NEAR(true_from_measured.scale, 1, 0.05);
@@ -374,19 +388,9 @@ TEST(Fused, KeepsTheSpaceUnderATableFree) {
 
 // With the volume that it has, although the noise of its depth is about as large as a voxel.
 TEST(Fused, EndsWhereTheSurfaceWasMeasured) {
-  const VoxelGrid box = *shape::Voxelize(testing_support::BoxMesh({0.3F, 0.4F, 0.9F}));
-  Stage stage;
-  stage.size_m = 0.9;
-  stage.sweep_rad = 5.5;
-  stage.num_views = 12;
-  stage.noise_m = 0.003;
-  stage.distance_m = 2.6;
-  const Proposals proposals = Fuse("furniture", StagedViews(box, stage));
-  ASSERT_EQ(proposals.candidates.size(), 1U);
-  const ShapeCandidate& candidate = proposals.candidates.front();
-  const std::vector<std::uint8_t>& voxels = proposals.models.at(candidate.model).occupied;
-  const auto count = std::count(voxels.begin(), voxels.end(), std::uint8_t{1});
-  const double voxel_m = candidate.world_from_object->scale * kVoxelSize;
+  const FusedBox fused({0.3F, 0.4F}, {.num_views = 12, .distance_m = 2.6, .noise_m = 0.003});
+  const auto count = std::ranges::count(fused.grid().occupied, std::uint8_t{1});
+  const double voxel_m = fused.candidate().world_from_object->scale * kVoxelSize;
   EXPECT_NEAR(static_cast<double>(count) * std::pow(voxel_m, 3) / (0.3 * 0.4 * 0.9), 1, 0.2);
 }
 

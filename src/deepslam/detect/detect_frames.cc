@@ -249,6 +249,28 @@ std::optional<FrameIdx> SharperBeside(std::span<const FrameIdx> frames,
   return sharpest;
 }
 
+bool IsGiven(const DetectionInputs& inputs, FrameIdx frame) {
+  return std::ranges::binary_search(inputs.given, frame, {}, &Detection::frame);
+}
+
+// `frames` with those that are sharper beside them; ascending.
+std::vector<FrameIdx> WithSharper(std::vector<FrameIdx> frames,
+                                  const DetectionInputs& inputs,
+                                  const Progress& progress) {
+  std::vector<std::optional<FrameIdx>> sharper(frames.size());
+  ParallelFor(frames.size(), [&](std::size_t k) {
+    if (progress.StopRequested() || IsGiven(inputs, frames[k]) ||
+        ApartAt(inputs.ground, frames[k]) != nullptr)
+      return;
+    sharper[k] = SharperBeside(frames, k, inputs);
+  });
+  for (const std::optional<FrameIdx>& frame : sharper) {
+    if (frame) frames.push_back(*frame);
+  }
+  std::ranges::sort(frames);
+  return frames;
+}
+
 // Detections of one frame, with those given for it.
 std::vector<Detection> Joined(FrameFinds finds, FrameIdx frame, std::span<const Detection> given) {
   if (finds.unread_depth || finds.unread_colour) return {};
@@ -291,22 +313,12 @@ Result<std::vector<FrameIdx>> FramesOfNewSurface(const DetectionInputs& inputs,
   });
   if (progress.StopRequested()) return Interrupted();
   const std::vector<bool> show_new = ShowNewSurface(cells);
-  const auto is_given = [&](FrameIdx frame) {
-    return std::ranges::binary_search(inputs.given, frame, {}, &Detection::frame);
-  };
   std::vector<FrameIdx> frames;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    if (show_new[k] || is_given(wanted[k])) frames.push_back(wanted[k]);
+    if (show_new[k] || IsGiven(inputs, wanted[k])) frames.push_back(wanted[k]);
   }
-  std::vector<std::optional<FrameIdx>> sharper(frames.size());
-  ParallelFor(frames.size(), [&](std::size_t k) {
-    if (!is_given(frames[k]) && ApartAt(inputs.ground, frames[k]) == nullptr)
-      sharper[k] = SharperBeside(frames, k, inputs);
-  });
-  for (const std::optional<FrameIdx>& frame : sharper) {
-    if (frame) frames.push_back(*frame);
-  }
-  std::ranges::sort(frames);
+  frames = WithSharper(std::move(frames), inputs, progress);
+  if (progress.StopRequested()) return Interrupted();
   return frames;
 }
 

@@ -56,9 +56,10 @@ struct FrameDetections {
 
 // Of the wanted frames (ascending), those that show surface that the ones before did not
 // (new_surface.h), that `given` speaks of, whose depth cannot be read or whose place in the first
-// keyframe's world is unknown; where one of the first is blurred, the sharpest within
-// 0.15 s beside it as well. All that are wanted where no
-// ground is known: objects are found by votes of frames then, which need many. Errors: Interrupted.
+// keyframe's world is unknown. Beside one that is blurred the sharpest within 0.15 s is looked at
+// as well, unless `given` speaks of it or its world is another. Where no ground is known all that
+// are wanted, and no others: objects are found by votes of frames then, which need many. Errors:
+// Interrupted.
 [[nodiscard]] Result<std::vector<FrameIdx>> FramesOfNewSurface(const DetectionInputs& inputs,
                                                                std::span<const FrameIdx> wanted,
                                                                Progress& progress);

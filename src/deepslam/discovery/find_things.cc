@@ -148,8 +148,9 @@ class Tracks {
   void AddVotes(FrameIdx frame, const std::vector<int>& thing_of_detection) {
     const std::span<const Detection> detections = DetectionsOf(inputs_, frame);
     for (std::size_t d = 0; d < detections.size(); ++d) {
-      rejections_.push_back(
-          {detections[d].id, frame, "it votes for a class; outlines are cut in keyframes"});
+      const int thing = thing_of_detection[d];
+      if (thing < 0 || !found_.instances[static_cast<std::size_t>(thing)].rejection.empty())
+        Reject(detections[d], thing);
     }
     Count(detections, thing_of_detection);
   }

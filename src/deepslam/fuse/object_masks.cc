@@ -33,7 +33,7 @@ ObjectMasks MasksByFrame(std::span<const FrameIdx> looked_at,
                          std::span<const Segment> segments) {
   ObjectMasks masks;
   for (const FrameIdx frame : looked_at) {
-    if (std::ranges::find(keyframes, frame) != keyframes.end()) masks[frame];
+    if (std::ranges::binary_search(keyframes, frame)) masks[frame];
   }
   for (const Segment& segment : segments) masks[segment.frame].push_back(segment.mask);
   return masks;

@@ -22,8 +22,9 @@ using ObjectMasks = std::map<FrameIdx, std::vector<PixelMask>>;
 [[nodiscard]] std::set<DetectionId> DetectionsOfMap(const OptimizedMap& map,
                                                     const Association& association);
 
-// Of the frames with `segments`, which are the objects', and of the keyframes that the detector
-// looked at. Other frames that it looked at may only have voted: objects have no outlines there.
+// Of the frames with `segments`, which are the objects', and of the keyframes (ascending) that the
+// detector looked at. Other frames that it looked at may only have voted: objects have no outlines
+// there.
 [[nodiscard]] ObjectMasks MasksByFrame(std::span<const FrameIdx> looked_at,
                                        std::span<const FrameIdx> keyframes,
                                        std::span<const Segment> segments);

@@ -82,13 +82,11 @@ struct Tally {
   }
 };
 
-// Voxels end at the measured surface, as those of completed shapes do (refine/evidence.h): before
-// it a ray went through them, but for a quarter of a voxel, where noise decides.
+// Voxels end at the measured surface, as those of completed shapes do (refine/evidence.h).
 void Add(const shape::DepthView::ReadingColumns& readings,
          std::size_t size,
          float voxel_m,
          Tally& tally) {
-  constexpr float kGrazed = 0.25F;  // voxels
   // Behind a measured surface this much is taken for solid even in open furniture: boards and legs.
   constexpr float kShell_m = 0.03F;
 #pragma GCC ivdep
@@ -98,7 +96,7 @@ void Add(const shape::DepthView::ReadingColumns& readings,
     const float beyond_m = readings.z_m[n] - depth_m;  // along the ray
     const bool is_known = depth_m > 0;
     const bool is_object = readings.is_object[n] != 0;
-    const bool is_free = is_known & (-beyond_m * cosine > kGrazed * voxel_m);
+    const bool is_free = is_known & (-beyond_m * cosine > shape::kGrazedVoxels * voxel_m);
     const bool is_behind =
         is_known & (beyond_m > DepthTolerance_m(depth_m) + 0.5F * voxel_m / cosine);
     const bool is_in_shell = beyond_m * cosine < kShell_m + 0.5F * voxel_m;

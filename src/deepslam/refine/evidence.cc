@@ -18,8 +18,6 @@
 namespace deepslam::refine {
 namespace {
 
-// Voxels. Half of one would leave no room for noise to a layer that ends at a level face.
-constexpr double kGrazed = 0.25;
 constexpr double kMaxShell_m = 0.04;  // boards of large things are no thicker for their voxels
 
 // Of a column of voxels.
@@ -38,7 +36,7 @@ class CarvingView {
         camera_from_grid_(placed.camera_from_grid),
         depth_(*placed.view, camera_from_grid_.RigidPart()),
         upward_m_((camera_from_grid_.rotation * Eigen::Vector3d(0, 0, VoxelM())).cast<float>()),
-        grazed_m_(static_cast<float>(kGrazed * VoxelM())),
+        grazed_m_(static_cast<float>(shape::kGrazedVoxels * VoxelM())),
         behind_m_(
             static_cast<float>(std::min(kMaxShell_m, RefineOptions::kSurfaceVoxels * VoxelM()))) {}
 

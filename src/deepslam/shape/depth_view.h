@@ -19,6 +19,11 @@
 
 namespace deepslam::shape {
 
+// A ray went through a voxel whose middle lies more than this share of its side before the measured
+// surface, across that; nearer to it noise decides. Half of one would leave no room for noise to a
+// layer that ends at a level face.
+inline constexpr float kGrazedVoxels = 0.25F;
+
 class DepthView {
  public:
   // `view` must outlive the object; its images fit together. `camera_from_frame`: metres.
