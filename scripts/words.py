@@ -17,7 +17,7 @@ LIMITS = {
     "options that nobody sets": 21,
     "constants without a comment": 0,
     "words of documents": 24900,
-    "lines of tracking and alignment": 6938,
+    "lines of tracking and alignment": 6766,
     "coined terms": 39,
 }
 

@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/random.h"
+#include "deepslam/geometry/depth_noise.h"
 #include "support/box_world.h"
 
 namespace deepslam::fuse {
@@ -82,6 +84,44 @@ TEST(CoarseFusion, HasTopsThatRaysGrazeAtAnyHeight) {
     // 0.3 x 1.2 m of it in voxels of 3 cm.
     EXPECT_GT(std::ranges::count_if(surface.mesh.vertices, is_top), 320) << top_m;
   }
+}
+
+// Noise as a Kinect's times so much, each reading by itself.
+CoarseSurface FusedNoisy(const std::vector<Cuboid>& world, const Pose3& pose, double times) {
+  const std::vector<Pose3> poses(8, pose);
+  const BoxWorldSource frames(world, poses);
+  CoarseFusion fusion{CoarseOptions()};
+  Random random(3, "noisy frames", 0);
+  for (int n = 0; n < frames.num_frames(); ++n) {
+    Frame frame = frames.View(FrameIdx{n}).frame;
+    for (float& depth_m : frame.depth_m) {
+      if (depth_m <= 0) continue;
+      depth_m += static_cast<float>(times * DepthSigmaM(depth_m) * random.Normal());
+    }
+    EXPECT_TRUE(fusion.Integrate(frame, frames.camera(), pose).ok());
+  }
+  return std::move(fusion).Take();
+}
+
+// A wall at 4 m, whose layers would be taken for furniture, and a crate at 1.8 m.
+TEST(CoarseFusion, ReachesLessFarTheNoisierTheDepthIs) {
+  const std::vector<Cuboid> world = {{-1, {3.0, -2, 0}, {3.2, 2, 2.4}},
+                                     {0, {0.8, -0.4, 0.8}, {1.4, 0.4, 1.4}}};
+  const Pose3 pose = testing_support::LookAt({-1, 0, 1.2}, {2, 0, 1.2});
+  const auto count = [](const CoarseSurface& surface, float from_x, float to_x) {
+    return std::ranges::count_if(surface.mesh.vertices, [&](const Eigen::Vector3f& p) {
+      return p.x() > from_x && p.x() < to_x;
+    });
+  };
+  for (const double times : {0.0, 1.0}) {
+    const CoarseSurface surface = FusedNoisy(world, pose, times);
+    EXPECT_GT(count(surface, 2.5F, 3.5F), 1000) << times;
+    EXPECT_GT(count(surface, 0.6F, 1.0F), 300) << times;
+  }
+  const CoarseSurface noisy = FusedNoisy(world, pose, 3);
+  EXPECT_EQ(count(noisy, 2.0F, 4.5F), 0);
+  EXPECT_GT(count(noisy, 0.6F, 1.0F), 300);
+  EXPECT_GT(noisy.space.Passed({2.0, 1.0, 1.2}), 0);
 }
 
 TEST(CoarseFusion, TellsFreeFromUnseenFromBlind) {

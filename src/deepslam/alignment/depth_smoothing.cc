@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "deepslam/alignment/image_pyramid.h"
 #include "deepslam/core/check.h"
 #include "deepslam/core/wide_vectors.h"
 

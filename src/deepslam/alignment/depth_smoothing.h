@@ -1,9 +1,9 @@
 // Edge-respecting smoothing of depth.
 #pragma once
 
-#include "deepslam/alignment/depth_noise.h"
 #include "deepslam/core/unfilled.h"
 #include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/depth_noise.h"
 
 namespace deepslam::alignment {
 

@@ -10,14 +10,14 @@
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/frames/intensity.h"
+#include "deepslam/frames/noise_scale.h"
 
 namespace deepslam::alignment {
 namespace {
 
 // Beyond the window of the last smoothing; noise that matching shares between neighbours is seen at
-// this lag. Up to the second value it may as well be the scene's own relief.
+// this lag.
 constexpr int kFarLag = 2 * kSmoothingRadius + 1;
-constexpr double kSureNoiseScale = 1.5;  // of the noise that the options state
 // Levels smaller than this hold too little to align.
 constexpr int kMinLevelWidth = 16;
 constexpr int kMaxReduction = 32;  // of captures 10,000 pixels wide

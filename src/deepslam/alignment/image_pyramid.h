@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "deepslam/alignment/depth_noise.h"
 #include "deepslam/core/ids.h"
 #include "deepslam/core/options.h"
 #include "deepslam/core/result.h"
@@ -14,8 +13,13 @@
 #include "deepslam/frames/frame_source.h"
 #include "deepslam/frames/stored_depth.h"
 #include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/depth_noise.h"
 
 namespace deepslam::alignment {
+
+// Depth of one surface within a block or window differs by at most this many standard deviations of
+// its noise.
+inline constexpr float kSameSurfaceSigmas = 4.0F;
 
 struct PyramidOptions {
   int work_width_px =

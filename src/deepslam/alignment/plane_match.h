@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "deepslam/alignment/batch_columns.h"
-#include "deepslam/alignment/depth_noise.h"
+#include "deepslam/geometry/depth_noise.h"
 
 namespace deepslam::alignment {
 

@@ -3,12 +3,14 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "deepslam/frames/noise_scale.h"
 #include "deepslam/fuse/block_surface.h"
 #include "deepslam/fuse/canonical_mesh.h"
 #include "deepslam/fuse/frame_check.h"
@@ -25,6 +27,15 @@ DepthImage Near(const DepthImage& depth_m, double max_depth_m) {
     if (!(depth > 0) || static_cast<double>(depth) > max_depth_m) depth = 0;
   }
   return near;
+}
+
+// The capture's own noise where it is surely more than a Kinect's. Matching shares noise between
+// nearer pixels than the lag.
+DepthNoise NoiseOf(const DepthImage& depth_m) {
+  constexpr int kLag = 5;  // px
+  const std::span<const float> readings(depth_m.begin(), depth_m.end());
+  const double scale = NoiseScaleOf(readings, depth_m.width(), kLag, DepthNoise{});
+  return DepthNoise{}.Scaled(scale > kSureNoiseScale ? scale : 1.0);
 }
 
 // Area-weighted means of the faces around; up where they cancel.
@@ -95,7 +106,9 @@ Status CoarseFusion::Integrate(const Frame& frame,
   const bool coloured = !frame.colour.empty();
   if (!coloured && impl.grey.empty()) impl.grey = ColourImage(camera.width, camera.height, {});
   impl.coloured = impl.coloured && coloured;
-  const DepthImage near_m = Near(frame.depth_m, CoarseOptions::kMaxDepth_m);
+  const DepthNoise noise = NoiseOf(frame.depth_m);
+  const double reach_m = noise.ReachM(DepthSigmaM(CoarseOptions::kMaxDepth_m));
+  const DepthImage near_m = Near(frame.depth_m, reach_m);
   const Image<float> cosines = IncidenceCosines(near_m, camera);
   const bool added = impl.blocks.Integrate(near_m,
                                            coloured ? frame.colour : impl.grey,
@@ -104,7 +117,7 @@ Status CoarseFusion::Integrate(const Frame& frame,
                                            static_cast<std::size_t>(impl.options.max_voxel_blocks),
                                            &cosines);
   impl.full = impl.full || !added;
-  impl.space.Carve(frame.depth_m, camera, level_from_camera);
+  impl.space.Carve(frame.depth_m, camera, level_from_camera, noise);
   impl.viewpoints.push_back(level_from_camera.translation_m.cast<float>());
   return Ok();
 }

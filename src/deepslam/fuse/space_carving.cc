@@ -28,6 +28,7 @@ struct RowCounts {
 };
 
 inline void CountRow(const DepthImage& depth_m,
+                     const DepthNoise& noise,
                      const SpaceOptions& options,
                      const RowPlaces& places,
                      const Row& depth_voxel_m,
@@ -41,7 +42,7 @@ inline void CountRow(const DepthImage& depth_m,
   const auto blind_from_m = static_cast<float>(options.blind_from_m);
   const auto blind_to_m = static_cast<float>(options.blind_range_m);
   for (std::size_t n = 0; n < kRowVoxels; ++n) {
-    const float margin_m = voxel_m + 2 * DepthSigmaM(measured_m[n]);
+    const float margin_m = voxel_m + 2 * noise.SigmaM(measured_m[n]);
     counts.is_free[n] = measured_m[n] > depth_voxel_m[n] + margin_m ? 1 : 0;
     counts.is_blind[n] =
         (measured_m[n] == 0) & (depth_voxel_m[n] > blind_from_m) & (depth_voxel_m[n] < blind_to_m)
@@ -67,6 +68,7 @@ struct SpaceCarving::View {
   const DepthImage& depth_m;
   const PinholeCamera& camera;
   Eigen::Matrix4f camera_from_world;
+  DepthNoise noise;
 };
 
 std::size_t SpaceCarving::Hash::operator()(const Eigen::Vector3i& index) const {
@@ -130,7 +132,7 @@ DEEPSLAM_WIDE_VECTORS void SpaceCarving::Add(const View& view, SpaceBlock& block
                                     1.0F);
       const Eigen::Vector3f p_camera = view.camera_from_world.topRows<3>() * p_world;
       PlacePixels(view.camera, p_camera, step_z, places, depth_voxel_m);
-      CountRow(view.depth_m, options_, places, depth_voxel_m, counts);
+      CountRow(view.depth_m, view.noise, options_, places, depth_voxel_m, counts);
       AddCounts(counts.is_free, block.passed.data() + first);
       AddCounts(counts.is_blind, block.blind.data() + first);
     }
@@ -139,9 +141,10 @@ DEEPSLAM_WIDE_VECTORS void SpaceCarving::Add(const View& view, SpaceBlock& block
 
 void SpaceCarving::Carve(const DepthImage& depth_m,
                          const PinholeCamera& camera,
-                         const Pose3& world_from_camera) {
+                         const Pose3& world_from_camera,
+                         const DepthNoise& noise) {
   const std::vector<SpaceBlock*> touched = Open(depth_m, camera, world_from_camera);
-  const View view{depth_m, camera, world_from_camera.Inverse().Matrix().cast<float>()};
+  const View view{depth_m, camera, world_from_camera.Inverse().Matrix().cast<float>(), noise};
   // Blocks a thread takes at a time; the result does not depend on it.
   constexpr std::size_t kBlocksPerChunk = 8;
   ParallelForChunks(touched.size(), kBlocksPerChunk, [&](std::size_t begin, std::size_t end) {

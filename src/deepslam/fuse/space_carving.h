@@ -10,6 +10,7 @@
 
 #include "deepslam/core/image.h"
 #include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/depth_noise.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/observed_space.h"
 
@@ -27,10 +28,11 @@ class SpaceCarving {
  public:
   explicit SpaceCarving(const SpaceOptions& options) : options_(options) {}
 
-  // Adds an image: 0 is no depth, size as the camera's. Finite pose.
+  // Adds an image with this noise: 0 is no depth, size as the camera's. Finite pose.
   void Carve(const DepthImage& depth_m,
              const PinholeCamera& camera,
-             const Pose3& world_from_camera);
+             const Pose3& world_from_camera,
+             const DepthNoise& noise);
 
   [[nodiscard]] ObservedSpace Take() &&;
 

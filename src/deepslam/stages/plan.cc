@@ -30,7 +30,7 @@ struct PlannedStage {
 constexpr std::array<PlannedStage, 15> kChain = {{
     {"track", 21, "", "track track.covisible track.join", kFrames, RunTrack},
     {"ground", 8, "track", "ground", kFrames | kGroundHint, RunGround},
-    {"layout", 11, "track ground", "layout layout.surface", kFrames, RunLayout},
+    {"layout", 12, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
      10,
      "track ground",

@@ -20,13 +20,11 @@ namespace deepslam::tracking {
 // levels.
 [[nodiscard]] Mask DynamicMask(const PlacedPyramid& frame,
                                std::span<const PlacedPyramid> earlier,
-                               const alignment::DepthNoise& noise);
+                               const DepthNoise& noise);
 
 // The frame without the depth under its dynamic mask and just around it. The same pyramid where
 // that is little of the frame.
 [[nodiscard]] std::shared_ptr<const alignment::FramePyramid> WithoutDynamic(
-    const PlacedPyramid& frame,
-    std::span<const PlacedPyramid> earlier,
-    const alignment::DepthNoise& noise);
+    const PlacedPyramid& frame, std::span<const PlacedPyramid> earlier, const DepthNoise& noise);
 
 }  // namespace deepslam::tracking

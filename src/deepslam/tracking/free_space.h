@@ -11,7 +11,6 @@
 
 namespace deepslam::tracking {
 
-using alignment::DepthNoise;
 using alignment::FramePyramid;
 using alignment::PyramidLevel;
 

@@ -1,34 +1,18 @@
-// Noise of measured depth: the model, and how far a frame is from it.
+// How noisy measured depth is.
 #pragma once
 
 #include <span>
 
 #include "deepslam/frames/stored_depth.h"
+#include "deepslam/geometry/depth_noise.h"
 
-namespace deepslam::alignment {
-
-// Depth noise of structured-light and time-of-flight cameras along the ray, one standard deviation
-// (Nguyen et al. 2012): sigma(z) = base_m + growth_per_m * (z - 0.4)^2.
-struct DepthNoise {
-  double base_m = 0.0012;
-  double growth_per_m = 0.0019;
-
-  [[nodiscard]] float SigmaM(float z_m) const {
-    const float beyond = z_m - 0.4F;
-    return static_cast<float>(base_m) + static_cast<float>(growth_per_m) * beyond * beyond;
-  }
-
-  [[nodiscard]] DepthNoise Scaled(double scale) const {
-    return {scale * base_m, scale * growth_per_m};
-  }
-};
-
-// Depth of one surface within a block or window differs by at most this many standard deviations of
-// its noise.
-inline constexpr float kSameSurfaceSigmas = 4.0F;
+namespace deepslam {
 
 // Noise is measured between 1 and this many times the model's: beyond, depth says nothing.
 inline constexpr double kMaxNoiseScale = 8.0;
+
+// More noise than this was measured for sure; less may as well be the scene's own relief.
+inline constexpr double kSureNoiseScale = 1.5;
 
 // The median over every seventh pixel of every seventh row is as good as that over all.
 inline constexpr int kNoiseStride = 7;
@@ -44,4 +28,4 @@ inline constexpr int kNoiseStride = 7;
 // The same of depth as it is stored, between neighbours, by every stride-th pixel.
 [[nodiscard]] double RawNoiseScale(const StoredDepth& depth, int stride, const DepthNoise& noise);
 
-}  // namespace deepslam::alignment
+}  // namespace deepslam

@@ -1,4 +1,4 @@
-#include "deepslam/alignment/depth_noise.h"
+#include "deepslam/frames/noise_scale.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/wide_vectors.h"
 
-namespace deepslam::alignment {
+namespace deepslam {
 namespace {
 
 // Fewer second differences say nothing about the noise.
@@ -124,4 +124,4 @@ DEEPSLAM_WIDE_VECTORS double RawNoiseScale(const StoredDepth& depth,
   return NoiseScaleOfRows(rows_about, width, depth.height(), kLag, stride, noise);
 }
 
-}  // namespace deepslam::alignment
+}  // namespace deepslam
