@@ -3,6 +3,7 @@
 #include <span>
 #include <utility>
 
+#include "deepslam/propose/level_box.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/shape_prior.h"
 #include "deepslam/scene/object_name.h"

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "deepslam/geometry/pose.h"
-#include "deepslam/propose/level_cloud.h"
+#include "deepslam/propose/level_box.h"
 #include "deepslam/scene/layout.h"
 #include "deepslam/scene/object_view.h"
 

@@ -14,6 +14,7 @@
 #include "deepslam/propose/candidate_size.h"
 #include "deepslam/propose/depth_evidence.h"
 #include "deepslam/propose/front_of_box.h"
+#include "deepslam/propose/level_box.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/proposer.h"
 #include "deepslam/shape/depth_view.h"
@@ -185,7 +186,7 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
     proposals.notes.push_back(subject + "too few depth points to fuse");
     return proposals;
   }
-  const LevelBox box = MeasureBox(cloud.points);
+  const LevelBox box = MeasureBox(object, cloud);
   const Raster raster(box, box.size_m.maxCoeff() / (kModelExtent * kGridSize));
   const Eigen::Vector3d center_level(box.center_m.x(), box.center_m.y(), 0.5 * box.size_m.z());
   const std::vector<shape::DepthView> views = LevelViews(

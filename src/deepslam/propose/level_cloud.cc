@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <numbers>
 #include <vector>
 
 #include "deepslam/core/order_statistics.h"
@@ -17,12 +16,9 @@ namespace deepslam::propose {
 namespace {
 
 constexpr int kPointsPerView = 3000;  // at one a cell nearly two square metres of surface
-// About the depth noise of structured light at 3 m; larger cells blur legs and boards.
-constexpr float kCloudCell_m = 0.025F;
+// Share of cells below the bottom where no ground was seen: strays of segments that leak.
+constexpr double kBelowBottomShare = 0.01;
 constexpr std::size_t kMinCells = 30;  // cells; fewer bound no box
-
-// Share of cells left out at either end of an extent: stray cells of segments that leak.
-constexpr double kOutlierShare = 0.01;
 
 struct CellSum {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
@@ -30,30 +26,6 @@ struct CellSum {
   int num_views = 0;
   std::size_t last_view = SIZE_MAX;
 };
-
-double Quantile(std::vector<float>& values, double share) {
-  const auto n = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  return OrderStatistic(values, n);
-}
-
-double FootprintOf(const LevelBox& box) { return box.size_m.x() * box.size_m.y(); }
-
-// How close the points are to the box's upright sides: the mean of 1 / distance, a cell's side at
-// least.
-double Closeness(std::span<const Eigen::Vector3f> points, const LevelBox& box) {
-  const auto c = static_cast<float>(std::cos(box.yaw_rad));
-  const auto s = static_cast<float>(std::sin(box.yaw_rad));
-  const Eigen::Vector2f center = box.center_m.cast<float>();
-  const Eigen::Vector2f half = 0.5F * box.size_m.head<2>().cast<float>();
-  double sum = 0;
-  for (const Eigen::Vector3f& p : points) {
-    const Eigen::Vector2f d = p.head<2>() - center;
-    const float to_x = std::abs(std::abs(c * d.x() + s * d.y()) - half.x());
-    const float to_y = std::abs(std::abs(c * d.y() - s * d.x()) - half.y());
-    sum += 1.0 / std::max(kCloudCell_m, std::min(to_x, to_y));
-  }
-  return sum / static_cast<double>(points.size());
-}
 
 }  // namespace
 
@@ -122,7 +94,9 @@ LevelCloud AccumulateLevel(std::span<const ObjectView> views) {
   if (!cloud.has_ground && !cloud.points.empty()) {
     std::vector<float> heights;
     for (const Eigen::Vector3f& p : cloud.points) heights.push_back(p.z());
-    const double bottom_m = Quantile(heights, kOutlierShare);
+    const auto rank =
+        static_cast<std::size_t>(kBelowBottomShare * static_cast<double>(heights.size() - 1) + 0.5);
+    const double bottom_m = OrderStatistic(heights, rank);
     cloud.level_from_world.translation_m.z() -= bottom_m;
     for (Eigen::Vector3f& p : cloud.points) p.z() -= static_cast<float>(bottom_m);
   }
@@ -131,55 +105,6 @@ LevelCloud AccumulateLevel(std::span<const ObjectView> views) {
 
 LevelCloud CloudOf(const ObjectObservations& object) {
   return object.cloud != nullptr ? *object.cloud : AccumulateLevel(object.views);
-}
-
-LevelBox MeasureBoxAt(std::span<const Eigen::Vector3f> points, double yaw_rad) {
-  LevelBox box;
-  box.yaw_rad = yaw_rad;
-  if (points.empty()) return box;
-  const Eigen::Vector2f x_axis(static_cast<float>(std::cos(yaw_rad)),
-                               static_cast<float>(std::sin(yaw_rad)));
-  const Eigen::Vector2f y_axis(-x_axis.y(), x_axis.x());
-  Eigen::Vector2d middle;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<float> values;
-    values.reserve(points.size());
-    for (const Eigen::Vector3f& p : points) {
-      values.push_back(axis == 0   ? x_axis.dot(p.head<2>())
-                       : axis == 1 ? y_axis.dot(p.head<2>())
-                                   : p.z());
-    }
-    const double high = Quantile(values, 1.0 - kOutlierShare);
-    const double low = axis == 2 ? 0.0 : Quantile(values, kOutlierShare);
-    box.size_m[axis] = std::max(high - low, static_cast<double>(kCloudCell_m));
-    if (axis < 2) middle[axis] = 0.5 * (low + high);
-  }
-  box.center_m = (middle.x() * x_axis.cast<double>() + middle.y() * y_axis.cast<double>());
-  return box;
-}
-
-LevelBox MeasureBox(std::span<const Eigen::Vector3f> points) {
-  constexpr int kTurnSteps = 45;  // of 2 degrees: after a quarter turn boxes repeat
-  // The thickness of measured faces, 3 cm, makes a box of 0.5 m along two of them 5 % larger than
-  // the one along the diagonal, and what sticks out of one, a handle, as much again.
-  constexpr double kNearlySmallest = 1.2;
-  std::vector<LevelBox> boxes(kTurnSteps);
-  ParallelFor(boxes.size(), [&](std::size_t n) {
-    boxes[n] = MeasureBoxAt(points, 0.5 * std::numbers::pi * static_cast<double>(n) / kTurnSteps);
-  });
-  const auto smallest = std::ranges::min_element(boxes, {}, FootprintOf);
-  if (points.empty()) return *smallest;
-  const double most_m2 = kNearlySmallest * FootprintOf(*smallest);
-  LevelBox best = *smallest;
-  double closest = Closeness(points, best);
-  for (const LevelBox& box : boxes) {
-    if (FootprintOf(box) > most_m2) continue;
-    const double closeness = Closeness(points, box);
-    if (closeness <= closest) continue;
-    best = box;
-    closest = closeness;
-  }
-  return best;
 }
 
 std::vector<std::size_t> ChooseViews(std::span<const ObjectView> views,

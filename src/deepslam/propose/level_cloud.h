@@ -25,10 +25,14 @@ struct LevelFrame {
 // From the views' poses and grounds alone; without a ground the height of z = 0 says nothing.
 [[nodiscard]] LevelFrame FindLevel(std::span<const ObjectView> views);
 
+// The side of a cell: about the depth noise of structured light at 3 m; larger cells blur legs and
+// boards.
+inline constexpr float kCloudCell_m = 0.025F;
+
 struct LevelCloud {
   Pose3 level_from_world;
   bool has_ground = false;
-  // One point per cell of a 2.5 cm raster, of those cells that enough views saw; metres, level
+  // One point per cell of a raster, of those cells that enough views saw; metres, level
   // frame, raster order.
   std::vector<Eigen::Vector3f> points;
   double mean_distance_m = 0;  // of the points from their cameras
@@ -39,21 +43,6 @@ struct LevelCloud {
 
 // The cloud that came with the object, else made now.
 [[nodiscard]] LevelCloud CloudOf(const ObjectObservations& object);
-
-// Upright box round the points, outliers left out. Of the yaws with nearly the smallest footprint
-// the one whose sides the points are closest to (Zhang et al. 2017): two faces of a box that meet
-// in an edge, all that is seen of many, fill half of the rectangle along them and half of that
-// along the diagonal too.
-struct LevelBox {
-  double yaw_rad = 0;                                  // of the box's x axis about z
-  Eigen::Vector2d center_m = Eigen::Vector2d::Zero();  // footprint's centre, level frame
-  Eigen::Vector3d size_m =
-      Eigen::Vector3d::Zero();  // along box x, box y, and z from the ground to the top
-};
-
-[[nodiscard]] LevelBox MeasureBox(std::span<const Eigen::Vector3f> points);
-// The same for a given yaw.
-[[nodiscard]] LevelBox MeasureBoxAt(std::span<const Eigen::Vector3f> points, double yaw_rad);
 
 // At most `max_views` views: the best supported one first, then always the one whose direction to
 // `center_world` is farthest from those taken, weak support discounted. Ascending indices into

@@ -11,6 +11,7 @@
 #include "deepslam/propose/best_first.h"
 #include "deepslam/propose/candidate_size.h"
 #include "deepslam/propose/joined_encoding.h"
+#include "deepslam/propose/level_box.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/network_crop.h"
 #include "deepslam/propose/place_shape.h"

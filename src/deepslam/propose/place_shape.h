@@ -8,6 +8,7 @@
 
 #include "deepslam/propose/coarse_shape.h"
 #include "deepslam/propose/fit_model.h"
+#include "deepslam/propose/level_box.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/scene/layout.h"
 #include "deepslam/shape/depth_view.h"

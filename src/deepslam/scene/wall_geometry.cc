@@ -26,6 +26,13 @@ double DistanceBefore(const LayoutWall& wall, const Eigen::Vector2d& p_m) {
   return Cross(AlongOf(wall), p_m - wall.from_m);
 }
 
+double DistanceTo(const LayoutWall& wall, const Eigen::Vector2d& p_m) {
+  const double along_m = AlongOf(wall).dot(p_m - wall.from_m);
+  const Eigen::Vector2d nearest_m =
+      wall.from_m + std::clamp(along_m, 0.0, wall.length_m()) * AlongOf(wall);
+  return (p_m - nearest_m).norm();
+}
+
 std::optional<double> ThicknessOf(const Layout& layout, const LayoutWall& wall) {
   const Eigen::Vector2d along = AlongOf(wall);
   std::optional<double> thickness_m;

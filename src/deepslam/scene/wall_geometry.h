@@ -25,6 +25,9 @@ inline constexpr double kThickestWall_m = 0.5;
 // How far a point lies to the left of the wall's line: before its face.
 [[nodiscard]] double DistanceBefore(const LayoutWall& wall, const Eigen::Vector2d& p_m);
 
+// How far a point is from the wall, its ends included.
+[[nodiscard]] double DistanceTo(const LayoutWall& wall, const Eigen::Vector2d& p_m);
+
 // How thick the wall is: to the nearest face behind it that faces the other way beside it; nothing
 // where there is none within kThickestWall_m.
 [[nodiscard]] std::optional<double> ThicknessOf(const Layout& layout, const LayoutWall& wall);

@@ -45,7 +45,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      kFrames | kClasses | kTrackOverrides,
      RunAssociate},
     {"propose",
-     16,
+     17,
      "track ground layout associate",
      "views propose propose.retrieval propose.measured propose.networks",
      kFrames | kClasses | kLibrary | kPriors,
