@@ -67,6 +67,11 @@ TEST(WholesOf, LegsAreOfTheTopThatTheyCarry) {
   leg.rejection = "small";
   EXPECT_THAT(WholesOf(std::vector{table, leg}), ElementsAre(0, 0));
   EXPECT_THAT(WholesOf(std::vector{leg, table}), ElementsAre(0, 0));
+  // A trestle is wide and thin, whatever detections call it.
+  const Instance trestle = Thing("chair", true, {0.6, 0, 0.05, 0.62}, {0.1, 0.5});
+  EXPECT_THAT(WholesOf(std::vector{table, trestle}), ElementsAre(0, 0));
+  const Instance screen_at_the_end = Thing("cabinet", false, {0.78, 0, 0.05, 0.62}, {0.1, 0.5});
+  EXPECT_THAT(WholesOf(std::vector{table, screen_at_the_end}), ElementsAre(0, 1));
   // What ends well below the top, rises above it, is wide or stands beside it is another thing.
   const Instance post_of_a_seat = Thing("chair", true, {0.7, 0.35, 0, 0.45}, {0.1, 0.08});
   const Instance back = Thing("chair", true, {0.7, 0.35, 0.4, 0.9}, {0.05, 0.18});

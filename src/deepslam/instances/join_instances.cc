@@ -27,6 +27,10 @@ constexpr double kFlatM = 0.02;  // boxes are no thinner, so that a board has a 
 // Legs of tables are no wider than this, of what is seen of them, 8 cm more
 // than the widest that segmentation by frames takes for one (segment/top_carriers.h).
 constexpr double kSlimM = 0.2;
+// Trestles, sledges and side panels are wider, and as thin as legs of beams; the whole of them lies
+// under the top.
+constexpr double kThinM = 0.12;
+constexpr double kShareUnderTop = 0.9;
 // Their upper ends hide behind aprons and tops. Chairs that are pushed under a table end lower with
 // their seats, and higher with their backs.
 constexpr double kHiddenEndM = 0.2;
@@ -71,12 +75,13 @@ bool LiesOver(const UprightBox& a, const UprightBox& b) {
 bool Carries(const Instance& leg, const Instance& table) {
   const UprightBox& own = leg.box_level;
   const UprightBox& top = table.box_level;
+  const bool is_slim = own.long_side_m() <= kSlimM;
   if (!table.has_support_plane || !table.is_named || !table.rejection.empty() ||
-      own.long_side_m() > kSlimM || own.top_m > top.top_m + kAboveTopM ||
+      !(is_slim || own.short_side_m() <= kThinM) || own.top_m > top.top_m + kAboveTopM ||
       own.top_m < top.top_m - kHiddenEndM)
     return false;
   return SharedArea(ThickOutlineOf(own), ThickOutlineOf(top)) >
-         kMinSharedOutline * ThickOutlineOf(own).area_m2();
+         (is_slim ? kMinSharedOutline : kShareUnderTop) * ThickOutlineOf(own).area_m2();
 }
 
 // Plants and vases: alike from all sides, and nothing is put on them.
