@@ -122,6 +122,12 @@ class Case:
         return json.loads(file.read_text()) if file.exists() else None
 
 
+def commit():
+    """The commit that a page of figures names; the word where the sources are in no repository."""
+    asked = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "--short=8", "HEAD"], capture_output=True, text=True, check=False)
+    return asked.stdout.strip() or "unknown"
+
+
 @functools.cache
 def program_hash(program):
     return hashlib.sha256(program.read_bytes()).hexdigest()

@@ -19,10 +19,10 @@ import pathlib
 import random
 import re
 import shutil
-import subprocess
 import sys
 
 import seeded
+from cases import commit
 from seeded import ROOT
 from tables import num_found, selection_table, table
 
@@ -174,11 +174,6 @@ def add_page(parser):
 def command_of(args, variants):
     return (f"scripts/experiments/table1.py --seeds {args.seeds_text} --variants {','.join(variants)}"
             + (" -- " + " ".join(args.run_options) if args.run_options else ""))
-
-
-def commit():
-    return subprocess.run(["git", "-C", str(ROOT), "rev-parse", "--short=8", "HEAD"], capture_output=True, text=True,
-                          check=True).stdout.strip()
 
 
 def main():

@@ -1,8 +1,9 @@
 """Tables and plots of what was scored, as Markdown and SVG."""
+import datetime
 import html
 import json
 
-from cases import LOOP_SCENES, call
+from cases import LOOP_SCENES, call, commit
 from plots import bar_plot
 
 
@@ -203,7 +204,8 @@ def write_results(cases, args, command):
         (folder / file).write_text(f"<!-- {html.escape(command).replace('--', '- -')} -->\n" + svg)
         return [f"![{title}]({file})", ""]
 
-    parts = ["# Results of scripts/experiments/run.py", "", f"Tables and plots made by `{command}`; protocols in ../evaluation.md.", ""]
+    parts = ["# Results of scripts/experiments/run.py", "", 
+             f"Tables and plots made by `{command}`, commit {commit()}, {datetime.date.today()}; protocols in ../evaluation.md.", ""]
     parts += selection_parts(cases, args)
     parts += ladder_parts(cases, plot)
     parts += object_parts(cases)
