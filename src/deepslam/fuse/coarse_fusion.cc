@@ -1,5 +1,6 @@
 #include "deepslam/fuse/coarse_fusion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -107,7 +108,8 @@ Status CoarseFusion::Integrate(const Frame& frame,
   if (!coloured && impl.grey.empty()) impl.grey = ColourImage(camera.width, camera.height, {});
   impl.coloured = impl.coloured && coloured;
   const DepthNoise noise = NoiseOf(frame.depth_m);
-  const double reach_m = noise.ReachM(DepthSigmaM(CoarseOptions::kMaxDepth_m));
+  const double reach_m =
+      std::min(CoarseOptions::kMaxDepth_m, noise.ReachM(CoarseOptions::kTruncation_m));
   const DepthImage near_m = Near(frame.depth_m, reach_m);
   const Image<float> cosines = IncidenceCosines(near_m, camera);
   const bool added = impl.blocks.Integrate(near_m,

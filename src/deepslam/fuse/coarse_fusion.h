@@ -20,7 +20,7 @@ struct CoarseOptions {
   // thicker.
   static constexpr double kTruncation_m = 0.06;
   // A Kinect's deviation is little more than a voxel here, 3.5 cm (depth_noise.h): what is farther
-  // falls apart into layers. Frames with more noise count as far as theirs is that.
+  // falls apart into layers. Noisier frames count as far as theirs is within the truncation.
   static constexpr double kMaxDepth_m = 4.6;
   // Rays are followed this far: one metre past max depth, since free space needs no precise end.
   static constexpr double kSpaceRange_m = 6.0;
