@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/modelling/turned_along.h"
 #include "deepslam/modelling/walls_behind.h"
 #include "deepslam/refine/complete.h"
 #include "deepslam/refine/refine_latents.h"
@@ -127,6 +128,19 @@ Result<RefinedShape> RefineShape(const ShapeCandidate& start,
   return RefinedShape{std::move(latents->latents), std::move(grid).value()};
 }
 
+// Of the own measurement of a thing with a support plane, whose outline is seen on all sides; null
+// without one.
+const CandidateRegistration* MeasuredOutline(const CandidateSet& set,
+                                             const ObjectOptions& options) {
+  if (options.classes == nullptr || !options.classes->TraitsOf(set.class_name).support_plane)
+    return nullptr;
+  for (std::size_t i = 0; i < set.candidates.size(); ++i) {
+    if (set.candidates[i].source == CandidateSource::kFused && set.registrations[i].ok)
+      return &set.registrations[i];
+  }
+  return nullptr;
+}
+
 Similarity3 WorldFromObject(const CandidateRegistration& registration) {
   return Similarity3::From(registration.world_from_object, registration.scale_m);
 }
@@ -194,7 +208,11 @@ Proposals CompleteBest(const CandidateSet& set,
   const std::optional<std::size_t> best = ToComplete(set, views, options.select);
   if (!best) return completed;
   const ShapeCandidate& start = set.candidates[*best];
-  const CandidateRegistration& registration = set.registrations[*best];
+  CandidateRegistration registration = set.registrations[*best];
+  if (const CandidateRegistration* measured = MeasuredOutline(set, options)) {
+    registration.world_from_object =
+        TurnedAlong(registration.world_from_object, measured->world_from_object);
+  }
   // At the joint pose: a view's own follows the model that is to be corrected.
   const auto place = [&](std::size_t i) {
     return Similarity3::From(views[i].world_from_camera.Inverse() * registration.world_from_object,

@@ -53,6 +53,18 @@ double EvidenceFor(const LevelBox& box, std::span<const Eigen::Vector3f> points)
   return Closeness(points, box) / FootprintOf(box);
 }
 
+// The box between the steps of MeasureBox.
+LevelBox Sharpened(std::span<const Eigen::Vector3f> points, const LevelBox& box) {
+  constexpr double kStepRad = 0.5 * kRadPerDeg;
+  constexpr int kNumSteps = 3;  // to either side
+  LevelBox best = box;
+  for (int n = -kNumSteps; n <= kNumSteps; ++n) {
+    const LevelBox turned = MeasureBoxAt(points, box.yaw_rad + n * kStepRad);
+    if (EvidenceFor(turned, points) > EvidenceFor(best, points)) best = turned;
+  }
+  return best;
+}
+
 // The direction of the wall nearest to the place, as a yaw of the level frame; none without walls.
 std::optional<double> YawAlongWall(const Layout& layout,
                                    const Pose3& level_from_world,
@@ -121,7 +133,7 @@ LevelBox MeasureBox(std::span<const Eigen::Vector3f> points) {
 }
 
 LevelBox MeasureBox(const ObjectObservations& object, const LevelCloud& cloud) {
-  const LevelBox box = MeasureBox(cloud.points);
+  const LevelBox box = Sharpened(cloud.points, MeasureBox(cloud.points));
   if (object.layout == nullptr || cloud.points.empty()) return box;
   const std::optional<double> yaw_rad =
       YawAlongWall(*object.layout, cloud.level_from_world, box.center_m);
