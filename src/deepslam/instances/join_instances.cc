@@ -30,7 +30,7 @@ constexpr double kSlimM = 0.2;
 // Trestles, sledges and side panels are wider, and as thin as legs of beams; the whole of them lies
 // under the top.
 constexpr double kThinM = 0.12;
-constexpr double kShareUnderTop = 0.9;
+constexpr double kShareUnderTop = 0.9;  // of their outline, voxels at its edge excepted
 // Their upper ends hide behind aprons and tops. Chairs that are pushed under a table end lower with
 // their seats, and higher with their backs.
 constexpr double kHiddenEndM = 0.2;

@@ -55,8 +55,8 @@ double EvidenceFor(const LevelBox& box, std::span<const Eigen::Vector3f> points)
 
 // The box between the steps of MeasureBox.
 LevelBox Sharpened(std::span<const Eigen::Vector3f> points, const LevelBox& box) {
-  constexpr double kStepRad = 0.5 * kRadPerDeg;
-  constexpr int kNumSteps = 3;  // to either side
+  constexpr double kStepRad = 0.5 * kRadPerDeg;  // a quarter of one of MeasureBox
+  constexpr int kNumSteps = 3;                   // to either side: less than one of MeasureBox
   LevelBox best = box;
   for (int n = -kNumSteps; n <= kNumSteps; ++n) {
     const LevelBox turned = MeasureBoxAt(points, box.yaw_rad + n * kStepRad);

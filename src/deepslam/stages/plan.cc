@@ -30,7 +30,7 @@ struct PlannedStage {
 constexpr std::array<PlannedStage, 15> kChain = {{
     {"track", 21, "", "track track.covisible track.join", kFrames, RunTrack},
     {"ground", 8, "track", "ground", kFrames | kGroundHint, RunGround},
-    {"layout", 12, "track ground", "layout layout.surface", kFrames, RunLayout},
+    {"layout", 13, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
      10,
      "track ground",
@@ -45,7 +45,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      kFrames | kClasses | kTrackOverrides,
      RunAssociate},
     {"propose",
-     17,
+     18,
      "track ground layout associate",
      "views propose propose.retrieval propose.measured propose.networks",
      kFrames | kClasses | kLibrary | kPriors,
