@@ -204,7 +204,7 @@ def write_results(cases, args, command):
         (folder / file).write_text(f"<!-- {html.escape(command).replace('--', '- -')} -->\n" + svg)
         return [f"![{title}]({file})", ""]
 
-    parts = ["# Results of scripts/experiments/run.py", "", 
+    parts = ["# Results of scripts/experiments/run.py", "",
              f"Tables and plots made by `{command}`, commit {commit()}, {datetime.date.today()}; protocols in ../evaluation.md.", ""]
     parts += selection_parts(cases, args)
     parts += ladder_parts(cases, plot)

@@ -58,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(EveryTurn, BoxYaw, testing::Values(0, 20, 37, 45, 70, 8
 
 TEST(BoxYawOf, NoPointsIsABoxOfNothing) { EXPECT_EQ(MeasureBox({}).size_m.maxCoeff(), 0); }
 
-// Leaves: points all through a ball's lower half, one in 4 cm^3 or so.
+// Leaves: points all through a ball's upper half, 30 cm in radius.
 std::vector<Eigen::Vector3f> Bush(std::uint64_t seed) {
   Random random(seed, "bush", 0);
   std::vector<Eigen::Vector3f> points;

@@ -16,6 +16,13 @@ template <typename Values>
   return *place;
 }
 
+// The value that this share of them, [0, 1], is below, to the nearest rank.
+template <typename Values>
+[[nodiscard]] auto Quantile(Values& values, double share) {
+  return OrderStatistic(
+      values, static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5));
+}
+
 template <typename Values>
 [[nodiscard]] auto Median(Values& values) {
   return OrderStatistic(values, values.size() / 2);

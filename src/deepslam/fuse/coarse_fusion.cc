@@ -30,7 +30,7 @@ DepthImage Near(const DepthImage& depth_m, double max_depth_m) {
   return near;
 }
 
-// The capture's own noise where it is surely more than a Kinect's. Matching shares noise between
+// The frame's own noise where it is surely more than a Kinect's. Matching shares noise between
 // nearer pixels than the lag.
 DepthNoise NoiseOf(const DepthImage& depth_m) {
   constexpr int kLag = 5;  // px

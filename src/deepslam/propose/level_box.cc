@@ -25,11 +25,6 @@ constexpr double kAlongWall = 0.8;
 // Directions that differ by less are the same but for what measuring adds.
 constexpr double kAlikeRad = 5 * kRadPerDeg;
 
-double Quantile(std::vector<float>& values, double share) {
-  const auto n = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  return OrderStatistic(values, n);
-}
-
 double FootprintOf(const LevelBox& box) { return box.size_m.x() * box.size_m.y(); }
 
 // How close the points are to the box's upright sides: the mean of 1 / distance, a cell's side at
@@ -57,12 +52,12 @@ double EvidenceFor(const LevelBox& box, std::span<const Eigen::Vector3f> points)
 LevelBox Sharpened(std::span<const Eigen::Vector3f> points, const LevelBox& box) {
   constexpr double kStepRad = 0.5 * kRadPerDeg;  // a quarter of one of MeasureBox
   constexpr int kNumSteps = 3;                   // to either side: less than one of MeasureBox
-  LevelBox best = box;
+  std::vector<LevelBox> boxes = {box};
   for (int n = -kNumSteps; n <= kNumSteps; ++n) {
-    const LevelBox turned = MeasureBoxAt(points, box.yaw_rad + n * kStepRad);
-    if (EvidenceFor(turned, points) > EvidenceFor(best, points)) best = turned;
+    if (n != 0) boxes.push_back(MeasureBoxAt(points, box.yaw_rad + n * kStepRad));
   }
-  return best;
+  return *std::ranges::max_element(
+      boxes, {}, [&](const LevelBox& turned) { return EvidenceFor(turned, points); });
 }
 
 // The direction of the wall nearest to the place, as a yaw of the level frame; none without walls.

@@ -94,9 +94,7 @@ LevelCloud AccumulateLevel(std::span<const ObjectView> views) {
   if (!cloud.has_ground && !cloud.points.empty()) {
     std::vector<float> heights;
     for (const Eigen::Vector3f& p : cloud.points) heights.push_back(p.z());
-    const auto rank =
-        static_cast<std::size_t>(kBelowBottomShare * static_cast<double>(heights.size() - 1) + 0.5);
-    const double bottom_m = OrderStatistic(heights, rank);
+    const double bottom_m = Quantile(heights, kBelowBottomShare);
     cloud.level_from_world.translation_m.z() -= bottom_m;
     for (Eigen::Vector3f& p : cloud.points) p.z() -= static_cast<float>(bottom_m);
   }
