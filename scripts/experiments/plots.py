@@ -7,7 +7,10 @@ COLOURS = ["#1f6fb4", "#d1605e", "#5a9e4b", "#8c6bb1", "#c98a2b"]
 
 def bar_plot(title, groups, series, unit, log_scale=False):
     """SVG text; nothing when there is no value. `series`: {name: [value or None per group]}."""
-    width, height, left, top, bottom = 860, 360, 60, 40, 100
+    # A bar is no narrower than its value, and slanted names of groups end above the legend.
+    width = max(860, 80 + 50 * len(series) * len(groups))
+    name_height = 3 * max(map(len, groups))
+    height, left, top, bottom = 300 + name_height, 60, 40, 40 + name_height
     values = [v for row in series.values() for v in row if v is not None and v > 0]
     if not values:
         return None
