@@ -4,7 +4,8 @@
 // solid touches itself in an edge or a corner alone, and relaxed: every vertex seeks the place of
 // least bending, but stays within half a voxel of its voxel corner (constrained elastic surface
 // nets, Gibson 1998). Parts one or two voxels thick, and gaps as thin, get a narrower bound, so
-// that legs neither vanish nor grow together. Flat faces along the axes stay exactly flat.
+// that legs neither vanish nor grow together. A face moves near its steps alone, which say that it
+// slants: flat faces along the axes stay where they are, and sharp edges sharp.
 #pragma once
 
 #include "deepslam/core/options.h"

@@ -26,6 +26,10 @@ constexpr double kMaxMomentum = 0.85;
 constexpr double kFirstBend = 2.0;
 constexpr double kLastBend = 0.35;  // at the end of the iterations
 
+// Edges from a step within which its face may be slanted; beyond, the face is level. Of flatter
+// slants the steps stay to be seen.
+constexpr int kStepReach = 4;
+
 // Neighbours of vertex v are indices[starts[v]] .. indices[starts[v + 1] - 1].
 struct Adjacency {
   std::vector<std::size_t> starts;
@@ -71,7 +75,40 @@ void WeightedUmbrella(
   }
 }
 
-void Project(const VoxelBoundary& boundary, double max_shift, Points& p) {
+// Edges from each vertex to the nearest foot of a step along the axis; kStepReach at most.
+std::vector<int> EdgesToStep(const VoxelBoundary& boundary, const Adjacency& adjacency, int axis) {
+  std::vector<int> edges(boundary.vertices.size(), kStepReach);
+  std::vector<std::uint32_t> queue;
+  for (std::uint32_t v = 0; v < edges.size(); ++v) {
+    if (boundary.at_step[v][static_cast<std::size_t>(axis)] == 0) continue;
+    edges[v] = 0;
+    queue.push_back(v);
+  }
+  for (std::size_t head = 0; head < queue.size(); ++head) {
+    const std::uint32_t v = queue[head];
+    for (std::size_t n = adjacency.starts[v]; n < adjacency.starts[v + 1]; ++n) {
+      const std::uint32_t next = adjacency.indices[n];
+      if (edges[next] <= edges[v] + 1) continue;
+      edges[next] = edges[v] + 1;
+      queue.push_back(next);
+    }
+  }
+  return edges;
+}
+
+// Of each vertex's way from its corner, per axis. A slant passes half a voxel off the corners at
+// its steps, and through them midway between two.
+Points BoundsOf(const VoxelBoundary& boundary, const Adjacency& adjacency, double max_shift) {
+  Points bounds(boundary.vertices.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<int> edges = EdgesToStep(boundary, adjacency, axis);
+    for (std::size_t v = 0; v < bounds.size(); ++v)
+      bounds[v][axis] = max_shift * (1.0 - static_cast<double>(edges[v]) / kStepReach);
+  }
+  return bounds;
+}
+
+void Project(const VoxelBoundary& boundary, const Points& bounds, Points& p) {
   for (const ThinPair& pair : boundary.thin_pairs) {
     double& low = p[pair.low][pair.axis];
     double& high = p[pair.high][pair.axis];
@@ -82,7 +119,7 @@ void Project(const VoxelBoundary& boundary, double max_shift, Points& p) {
   }
   for (std::size_t v = 0; v < p.size(); ++v) {
     const Eigen::Vector3d shift = p[v] - boundary.vertices[v];
-    p[v] = boundary.vertices[v] + shift.cwiseMax(-max_shift).cwiseMin(max_shift);
+    p[v] = boundary.vertices[v] + shift.cwiseMax(-bounds[v]).cwiseMin(bounds[v]);
   }
 }
 
@@ -94,6 +131,7 @@ std::vector<Eigen::Vector3d> RelaxBoundary(const VoxelBoundary& boundary,
                                            int iterations,
                                            double max_shift) {
   const Adjacency adjacency = BuildAdjacency(boundary);
+  const Points bounds = BoundsOf(boundary, adjacency, max_shift);
   Points current = boundary.vertices;
   Points previous = current;
   Points scaled(current.size());
@@ -117,7 +155,7 @@ std::vector<Eigen::Vector3d> RelaxBoundary(const VoxelBoundary& boundary,
       }
       ahead[v] -= kStepSize * gradient;
     }
-    Project(boundary, max_shift, ahead);
+    Project(boundary, bounds, ahead);
     previous = std::move(current);
     current = std::move(ahead);
   }

@@ -206,6 +206,7 @@ class BoundaryBuilder {
       }
     }
     AddThinPairs();
+    AddSteps();
     return std::move(boundary_);
   }
 
@@ -263,6 +264,27 @@ class BoundaryBuilder {
     if (nearest > kThinVoxels || !Inside(at + nearest * step)) return;
     const std::uint32_t other = ids_[static_cast<std::size_t>(at + nearest * step)];
     if (other != kNone) boundary_.thin_pairs.push_back({id, other, axis, nearest});
+  }
+
+  void AddSteps() {
+    for (const Eigen::Vector3d& vertex : boundary_.vertices) {
+      const Eigen::Vector3i corner = vertex.cast<int>() + Eigen::Vector3i::Ones();
+      const std::ptrdiff_t above = Offset(corner.x(), corner.y(), corner.z());
+      std::array<std::uint8_t, 3> at_step = {0, 0, 0};
+      for (std::size_t along = 0; along < 3; ++along) {
+        if (!IsConcaveEdge(above, along) && !IsConcaveEdge(above - kStep[along], along)) continue;
+        at_step[(along + 1) % 3] = 1;
+        at_step[(along + 2) % 3] = 1;
+      }
+      boundary_.at_step.push_back(at_step);
+    }
+  }
+
+  // Of the four voxels round the lowest edge along an axis of voxel `at` all but one are solid.
+  [[nodiscard]] bool IsConcaveEdge(std::ptrdiff_t at, std::size_t along) const {
+    const std::ptrdiff_t u = kStep[(along + 1) % 3];
+    const std::ptrdiff_t v = kStep[(along + 2) % 3];
+    return At(solid_, at) + At(solid_, at - u) + At(solid_, at - v) + At(solid_, at - u - v) == 3;
   }
 
   const Solid& solid_;

@@ -26,6 +26,9 @@ struct VoxelBoundary {
       vertices;  // voxel corners, in voxels; voxel (i, j, k) is [i, i+1] x ...
   std::vector<std::array<std::uint32_t, 4>> quads;  // counter-clockwise from outside
   std::vector<ThinPair> thin_pairs;                 // solid or gap of at most kThinVoxels
+  // Per vertex and axis: 1 where a face across the axis ends at a concave edge, as at the foot of a
+  // step.
+  std::vector<std::array<std::uint8_t, 3>> at_step;
 };
 
 // Voxels: boards and gaps between them that smoothing would close.

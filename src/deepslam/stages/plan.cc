@@ -70,7 +70,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      RunLoops},
     {"optimize", 5, "track ground layout loops", "optimize", kFrames | kClasses, RunOptimize},
     {"mesh",
-     2,
+     3,
      "track ground associate loops optimize",
      "views mesh.surface mesh.refine mesh.colour",
      kFrames | kClasses,
