@@ -60,7 +60,7 @@ class CompleteModelTest : public testing::Test {
     std::vector<PlacedView> placed;
     for (const auto& view : staged) placed.push_back({&view.view, view.camera_from_grid});
     return CompleteModel(
-        shape::ShapeModel(testing_support::FillGrid(model)), placed, options_, walls_);
+        shape::ShapeModel(testing_support::FillGrid(model)), placed, options_, limits_);
   }
 
   static bool At(const CompletedModel& model, int x, int y, int z) {
@@ -76,7 +76,7 @@ class CompleteModelTest : public testing::Test {
 
   // The grid follows the floor, so that voxels can be compared with those of the things.
   RefineOptions options_{.follow_level_face = false};
-  std::vector<Plane> walls_;
+  Limits limits_;
 };
 
 TEST_F(CompleteModelTest, TheThingItselfStaysAsItIs) {
@@ -111,6 +111,51 @@ TEST_F(CompleteModelTest, SidesThatNobodySawAreTheModels) {
   EXPECT_NEAR(completed->model_from_grid.translation_m.y() / kVoxelSize, 0, 1.1);
 }
 
+TEST_F(CompleteModelTest, WhatWasMeasuredBeyondTheSidesIsOfSomethingElse) {
+  const Shape model = [](double x, double y, double z) {
+    return std::abs(x) < 10 && std::abs(y) < 10 && std::abs(z) < 31;
+  };
+  const Shape thing = [&](double x, double y, double z) {
+    return model(x, y, z) || (x > 0 && x < 14 && std::abs(y) < 10 && std::abs(z) < 5);
+  };
+  const auto without = Complete(model, thing, 12);
+  limits_.sides = {{-Eigen::Vector3d::UnitX(), 10 * kVoxelSize}};
+  const auto completed = Complete(model, thing, 12);
+  ASSERT_TRUE(without && completed);
+  EXPECT_NEAR(OccupiedBox(without->grid)->sides().x(), 24, 1);
+  EXPECT_NEAR(OccupiedBox(completed->grid)->sides().x(), 20, 1);
+}
+
+// Nothing was measured below the top, where the model is wider than the top.
+TEST_F(CompleteModelTest, WhatCarriesATopDoesNotReachBeyondTheSidesThatWereSeen) {
+  const Shape top = [](double x, double y, double z) {
+    return std::abs(x) < 14 && std::abs(y) < 14 && z > 25 && z < 31;
+  };
+  const Shape model = [&](double x, double y, double z) {
+    return top(x, y, z) || (std::abs(x) < 24 && std::abs(y) < 10 && z < 26 && z > -31);
+  };
+  const shape::ShapeModel seen(testing_support::FillGrid(top));
+  std::vector<testing_support::Staged> staged;
+  for (int n = 0; n < 12; ++n) {
+    staged.push_back(testing_support::LookAt(seen, 2 * std::numbers::pi * n / 12, 0.4));
+    DepthImage& depth_m = staged.back().view.depth_crop_m;
+    for (int v = 95; v < depth_m.height(); ++v) std::fill_n(depth_m.row(v), depth_m.width(), 0.0F);
+  }
+  std::vector<PlacedView> placed;
+  for (const auto& view : staged) placed.push_back({&view.view, view.camera_from_grid});
+  for (const double sign : {-1.0, 1.0}) {
+    limits_.sides.push_back({sign * Eigen::Vector3d::UnitX(), 14 * kVoxelSize});
+    limits_.sides.push_back({sign * Eigen::Vector3d::UnitY(), 14 * kVoxelSize});
+  }
+  const shape::ShapeModel wide(testing_support::FillGrid(model));
+  const auto without = CompleteModel(wide, placed, options_, limits_);
+  limits_.top = Plane{-Eigen::Vector3d::UnitZ(), 31 * kVoxelSize};
+  const auto completed = CompleteModel(wide, placed, options_, limits_);
+  ASSERT_TRUE(without && completed);
+  EXPECT_NEAR(OccupiedBox(without->grid)->sides().x(), 48, 2);
+  EXPECT_NEAR(OccupiedBox(completed->grid)->sides().x(), 30, 3);
+}
+
 // A cupboard at a wall, seen from the front: the model is deeper than the room behind it.
 TEST_F(CompleteModelTest, NothingReachesThroughAWall) {
   const Shape model = [](double x, double y, double z) {
@@ -120,7 +165,7 @@ TEST_F(CompleteModelTest, NothingReachesThroughAWall) {
   const auto without = CompleteFrom(model, model, front, 0);
   ASSERT_TRUE(without);
   EXPECT_TRUE(At(*without, -20, 0, 0)) << "the model's";
-  walls_ = {{Eigen::Vector3d::UnitX(), 10 * kVoxelSize}};
+  limits_.walls = {{Eigen::Vector3d::UnitX(), 10 * kVoxelSize}};
   const auto completed = CompleteFrom(model, model, front, 0);
   ASSERT_TRUE(completed);
   // Centred anew: 38 of 56 voxels are left.
@@ -133,7 +178,7 @@ TEST_F(CompleteModelTest, AWallThatTheThingWasMeasuredBehindIsNoneOfIts) {
     return std::abs(x) < 28 && std::abs(y) < 10 && std::abs(z) < 31;
   };
   const auto without = Complete(thing, thing, 12);
-  walls_ = {{Eigen::Vector3d::UnitX(), 10 * kVoxelSize}};
+  limits_.walls = {{Eigen::Vector3d::UnitX(), 10 * kVoxelSize}};
   const auto completed = Complete(thing, thing, 12);
   ASSERT_TRUE(without && completed);
   EXPECT_EQ(completed->grid.occupied, without->grid.occupied);
@@ -145,7 +190,7 @@ TEST_F(CompleteModelTest, AWallThatMostOfTheModelIsBehindIsNoneOfIts) {
   };
   const std::vector<double> front = {-0.4, 0.0, 0.4};
   const auto without = CompleteFrom(thing, thing, front, 0);
-  walls_ = {{Eigen::Vector3d::UnitX(), -10 * kVoxelSize}};
+  limits_.walls = {{Eigen::Vector3d::UnitX(), -10 * kVoxelSize}};
   const auto completed = CompleteFrom(thing, thing, front, 0);
   ASSERT_TRUE(without && completed);
   EXPECT_EQ(completed->grid.occupied, without->grid.occupied);

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/modelling/measured_limits.h"
 #include "deepslam/modelling/turned_along.h"
 #include "deepslam/modelling/walls_behind.h"
 #include "deepslam/refine/complete.h"
@@ -128,12 +129,15 @@ Result<RefinedShape> RefineShape(const ShapeCandidate& start,
   return RefinedShape{std::move(latents->latents), std::move(grid).value()};
 }
 
+bool HasSupportPlane(const CandidateSet& set, const ObjectOptions& options) {
+  return options.classes != nullptr && options.classes->TraitsOf(set.class_name).support_plane;
+}
+
 // Of the own measurement of a thing with a support plane, whose outline is seen on all sides; null
 // without one.
 const CandidateRegistration* MeasuredOutline(const CandidateSet& set,
                                              const ObjectOptions& options) {
-  if (options.classes == nullptr || !options.classes->TraitsOf(set.class_name).support_plane)
-    return nullptr;
+  if (!HasSupportPlane(set, options)) return nullptr;
   for (std::size_t i = 0; i < set.candidates.size(); ++i) {
     if (set.candidates[i].source == CandidateSource::kFused && set.registrations[i].ok)
       return &set.registrations[i];
@@ -221,12 +225,13 @@ Proposals CompleteBest(const CandidateSet& set,
   const auto placed =
       PlacedViews(views, static_cast<std::size_t>(refine::RefineOptions::kMaxViews), place);
   const shape::ShapeModel& whole = *set.models.at(start.model);
-  std::vector<Plane> walls;
+  refine::Limits limits =
+      MeasuredLimits(WorldFromObject(registration), views, HasSupportPlane(set, options));
   if (options.layout != nullptr) {
-    walls = WallsBehind(*options.layout, whole, WorldFromObject(registration), views);
+    limits.walls = WallsBehind(*options.layout, whole, WorldFromObject(registration), views);
   }
   std::optional<refine::CompletedModel> model =
-      refine::CompleteModel(whole, placed, options.refinement, walls);
+      refine::CompleteModel(whole, placed, options.refinement, limits);
   if (!model) return completed;
   const Similarity3 world_from_completed = WorldFromObject(registration) * model->model_from_grid;
   Add(start,

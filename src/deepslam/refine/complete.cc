@@ -23,7 +23,7 @@ namespace {
 
 // Of the completed model's voxels: larger parts are tied to the largest (links.h).
 constexpr double kLoosePartShare = 0.02;
-constexpr double kLongestLinkM = 0.3;  // through the model
+constexpr double kLongestLinkM = 0.3;       // through the model
 constexpr std::uint8_t kCostOfModel = 2;    // of a voxel of a link (links.h) that the model has
 constexpr std::uint8_t kCostOfUnknown = 3;  // dearer, so that links follow the model where they can
 constexpr int kMaxInside = 5;  // voxels between two sides of a shell that nobody can see
@@ -31,7 +31,11 @@ constexpr int kMaxInside = 5;  // voxels between two sides of a shell that nobod
 constexpr double kMaxBehindWall = 0.02;
 // Of the model: what is for the most part behind a wall stands elsewhere, and is not too deep.
 constexpr double kMaxModelBehindWall = 0.5;
-constexpr int kMaxRegrids = 2;  // for a longest side of kModelExtent
+constexpr int kBesideTop = 3;       // voxels beside a side of a top that tell whether it ends there
+constexpr double kLeastSeen = 0.3;  // of these: else something hides the side
+constexpr double kMostFree = 0.5;   // of those seen
+constexpr double kEdgeM = 0.02;     // of tops, left out of their sides as outliers
+constexpr int kMaxRegrids = 2;      // for a longest side of kModelExtent
 // Share of a voxel on the surface; a half would make boards thicker.
 constexpr float kInsideShare = 0.49F;
 
@@ -203,14 +207,14 @@ std::vector<PlacedView> InGrid(std::span<const PlacedView> views,
   return placed;
 }
 
-// One entry per voxel, index order of VoxelGrid: whether it lies behind the wall.
-std::vector<std::uint8_t> Behind(const Plane& wall, const Similarity3& object_from_grid) {
+// One entry per voxel, index order of VoxelGrid: whether it lies behind the plane.
+std::vector<std::uint8_t> Behind(const Plane& plane, const Similarity3& object_from_grid) {
   std::vector<std::uint8_t> behind(VoxelGrid().occupied.size());
   for (int i = 0; i < kGridSize; ++i) {
     for (int j = 0; j < kGridSize; ++j) {
       for (int k = 0; k < kGridSize; ++k) {
         const Eigen::Vector3d p = object_from_grid * VoxelGrid::Center(i, j, k);
-        behind[VoxelGrid::Index(i, j, k)] = wall.SignedDistance(p) < 0 ? 1 : 0;
+        behind[VoxelGrid::Index(i, j, k)] = plane.SignedDistance(p) < 0 ? 1 : 0;
       }
     }
   }
@@ -239,17 +243,69 @@ bool IsMostlyBehind(std::span<const std::uint8_t> behind, const VoxelGrid& model
   return static_cast<double>(num_behind) > kMaxModelBehindWall * static_cast<double>(num_voxels);
 }
 
+// Claims that nothing is there.
+void Clear(std::size_t n, Claims& claims) {
+  constexpr Votes kFree{.free = 1};
+  claims.seen[n] = claims.votes[n] = kFree;
+}
+
 // Claims that nothing is behind the walls.
 void EndAtWalls(std::span<const Plane> walls,
                 const Similarity3& object_from_grid,
                 const VoxelGrid& model,
                 Claims& claims) {
-  constexpr Votes kFreeByWall{.free = 1};
   for (const Plane& wall : walls) {
     const std::vector<std::uint8_t> behind = Behind(wall, object_from_grid);
     if (IsMeasuredBehind(behind, claims) || IsMostlyBehind(behind, model)) continue;
     for (std::size_t n = 0; n < behind.size(); ++n) {
-      if (behind[n] != 0) claims.seen[n] = claims.votes[n] = kFreeByWall;
+      if (behind[n] != 0) Clear(n, claims);
+    }
+  }
+}
+
+// Whether rays went through most of what was seen beside a side of the top, at its height.
+bool IsSeenToEnd(const Plane& side,
+                 const Limits& limits,
+                 const Similarity3& object_from_grid,
+                 const Claims& claims) {
+  const auto is_beside = [&](const Eigen::Vector3d& p) {
+    const double below = limits.top->SignedDistance(p);
+    const double beyond = -side.SignedDistance(p);
+    const double reach = kBesideTop * claims.voxel;
+    return below >= 0 && below < claims.voxel && beyond >= 0 && beyond < reach &&
+           std::ranges::count_if(
+               limits.sides, [&](const Plane& other) { return other.SignedDistance(p) < 0; }) == 1;
+  };
+  int num_voxels = 0;
+  int num_seen = 0;
+  int num_free = 0;
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        if (!is_beside(object_from_grid * VoxelGrid::Center(i, j, k))) continue;
+        const Votes& votes = claims.seen[VoxelGrid::Index(i, j, k)];
+        ++num_voxels;
+        num_seen += votes.free + votes.object + votes.other > 0 ? 1 : 0;
+        num_free += votes.IsFree() ? 1 : 0;
+      }
+    }
+  }
+  return num_seen > kLeastSeen * num_voxels && num_free > kMostFree * num_seen;
+}
+
+// Claims that the model ends with its top.
+void EndWithTop(const Limits& limits,
+                const Similarity3& object_from_grid,
+                double scale_m,
+                Claims& claims) {
+  if (!limits.top) return;
+  for (const Plane& side : limits.sides) {
+    if (!IsSeenToEnd(side, limits, object_from_grid, claims)) continue;
+    Plane reach = side;
+    reach.d_m += kEdgeM / scale_m;
+    const std::vector<std::uint8_t> beyond = Behind(reach, object_from_grid);
+    for (std::size_t n = 0; n < beyond.size(); ++n) {
+      if (beyond[n] != 0) Clear(n, claims);
     }
   }
 }
@@ -257,8 +313,24 @@ void EndAtWalls(std::span<const Plane> walls,
 // What is known of the object beside the model.
 struct Knowledge {
   std::span<const PlacedView> views;
-  std::span<const Plane> walls;
+  const Limits& limits;
 };
+
+// Surface beyond the sides is no longer the object's.
+void EndAtSides(const Limits& limits,
+                const Similarity3& object_from_grid,
+                std::vector<Votes>& seen) {
+  std::vector<Plane> sides = limits.sides;
+  if (limits.top) sides.push_back(*limits.top);
+  for (const Plane& side : sides) {
+    const std::vector<std::uint8_t> beyond = Behind(side, object_from_grid);
+    for (std::size_t n = 0; n < seen.size(); ++n) {
+      if (beyond[n] == 0) continue;
+      seen[n].other += seen[n].object;
+      seen[n].object = 0;
+    }
+  }
+}
 
 // The completed model in a grid; empty where the model is.
 VoxelGrid CompleteIn(const Similarity3& object_from_grid,
@@ -274,6 +346,7 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   const std::vector<std::uint8_t> asked =
       Within(claims.reach + kMaxInside * voxel, claims.distances);
   claims.seen = CountVotes(InGrid(views, object_from_grid), asked);
+  EndAtSides(known.limits, object_from_grid, claims.seen);
   claims.voxel = voxel;
   claims.num_views = views.size();
 
@@ -282,7 +355,8 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   if (!stands_in) return {};
   const VoxelGrid whole = WithoutPassedLayers(inside, claims.seen, claims.num_views);
   claims.votes = WithMirrorImages(whole, *stands_in, claims.seen, claims.num_views);
-  EndAtWalls(known.walls, object_from_grid, whole, claims);
+  EndWithTop(known.limits, object_from_grid, scale_m, claims);
+  EndAtWalls(known.limits.walls, object_from_grid, whole, claims);
   const int ground_k = stands_in->low.z();
   const auto max_gap = static_cast<int>(shape::kMaxFeetGapM / (scale_m * voxel));
   VoxelGrid measured = Measured(claims);
@@ -300,13 +374,13 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
 std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
                                             std::span<const PlacedView> all_views,
                                             const RefineOptions& options,
-                                            std::span<const Plane> walls) {
+                                            const Limits& limits) {
   const std::vector<PlacedView> views = UsableViews(all_views);
   if (model.empty() || views.empty()) return std::nullopt;
   const double reach = options.reach_m / views.front().camera_from_grid.scale;
   const ThingInViews thing{model, views, reach, options.follow_level_face};
   Similarity3 object_from_grid = GridAround(thing);
-  const Knowledge known{views, walls};
+  const Knowledge known{views, limits};
   VoxelGrid grid = CompleteIn(object_from_grid, model, known, options);
   std::optional<VoxelBox> box = OccupiedBox(grid);
   // A grid that fits is made by the views: resampled, one layer in sixty would fall out of boards.
