@@ -92,6 +92,21 @@ TEST_F(CutSilhouettesTest, ATableIsItsTopAndItsLegsWithoutWhatStandsOnIt) {
   EXPECT_EQ(CountIn(silhouettes[0].mask, kChair), 0);
 }
 
+// No layer is found in the box, which is too narrow; the silhouette as the surface has it remains.
+TEST_F(CutSilhouettesTest, NothingAboveTheTopIsTheTablesThoughTheFrameShowsNoLayer) {
+  table_.box_level = {{5, 5}, 0, 1.2, 0.8, 0, 0.84};
+  std::vector<Silhouette> silhouettes = {Of(kTable, Shown({kTable, kBox}))};
+  Cut(silhouettes);
+  const int of_box = CountIn(silhouettes[0].mask, kBox);
+  const int of_table = CountIn(silhouettes[0].mask, kTable);
+  ASSERT_GT(of_box, 100);
+  table_.top_m = 0.74;
+  Cut(silhouettes);
+  EXPECT_LT(CountIn(silhouettes[0].mask, kBox), of_box / 2);
+  EXPECT_EQ(CountIn(silhouettes[0].mask, kTable), of_table);
+  EXPECT_EQ(silhouettes[0].num_points, of_table + CountIn(silhouettes[0].mask, kBox));
+}
+
 TEST_F(CutSilhouettesTest, ThingsWithoutASupportPlaneStayAsTheyAre) {
   table_.has_support_plane = false;
   std::vector<Silhouette> silhouettes = {Of(0, Shown({kTable, kBox}, 0.6)),

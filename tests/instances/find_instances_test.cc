@@ -144,8 +144,8 @@ TEST(FindInstances, WhatNobodyNamesAndHangsIsNoThingOfTheFloor) {
   EXPECT_THAT(names, testing::ElementsAre("cabinet", "furniture"));
 }
 
-// The classes of things that nobody names, over a floor that is seen wherever none of them stands.
-std::multiset<std::string> NamesOverFloor(const std::vector<Cuboid>& things, double table_m) {
+// Of things that nobody names, over a floor that is seen wherever none of them stands.
+std::vector<Instance> FoundOverFloor(const std::vector<Cuboid>& things, double table_m) {
   SampledWorld sampled = Sample(things);
   for (double x = -2; x < 2; x += kSampleM) {
     for (double y = -2; y < 2; y += kSampleM) {
@@ -164,9 +164,13 @@ std::multiset<std::string> NamesOverFloor(const std::vector<Cuboid>& things, dou
   classes.classes[1].min_size_m = table_m;
   const std::vector<ElementPair> pairs = elements.PairsWithin(1.9 * kVoxelM);
   const Superpoints superpoints = MakeSuperpoints(elements, is_floor, pairs, {});
+  return FindInstances(elements, superpoints, pairs, {}, {}, classes, {}).instances;
+}
+
+// Their classes.
+std::multiset<std::string> NamesOverFloor(const std::vector<Cuboid>& things, double table_m) {
   std::multiset<std::string> names;
-  for (const Instance& instance :
-       FindInstances(elements, superpoints, pairs, {}, {}, classes, {}).instances) {
+  for (const Instance& instance : FoundOverFloor(things, table_m)) {
     if (instance.rejection.empty()) names.insert(instance.class_name);
   }
   return names;
@@ -196,6 +200,18 @@ TEST(FindInstances, ATopOnLegsIsATableThoughNobodyNamesIt) {
       << "legs too thin for the surface";
   EXPECT_THAT(NamesOverFloor(OnLegs(1.2, 0.7, 0.5), 3), testing::ElementsAre("furniture"))
       << "no table is as small";
+}
+
+TEST(FindInstances, ATableKnowsItsTopWhateverStandsOnIt) {
+  std::vector<Cuboid> table = OnLegs(1.2, 0.7, 0.5);
+  table.push_back({0, {-0.5, -0.2, 0.48}, {-0.2, 0.2, 0.7}});
+  const std::vector<Instance> found = FoundOverFloor(table, 0.4);
+  const auto named = std::ranges::find(found, "table", &Instance::class_name);
+  ASSERT_NE(named, found.end());
+  ASSERT_TRUE(named->top_m);
+  EXPECT_NEAR(*named->top_m, 0.5, 0.02);
+  for (const Instance& cabinet : FoundOverFloor({{0, {-0.6, -0.35, 0}, {0.6, 0.35, 0.5}}}, 0.4))
+    EXPECT_FALSE(cabinet.top_m);
 }
 
 // The side of a cuboid that faces along x alone, as of a row of things along a wall.

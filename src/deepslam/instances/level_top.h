@@ -1,0 +1,16 @@
+// The level top of a table among all that was taken for it.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "deepslam/instances/surface_elements.h"
+
+namespace deepslam::instances {
+
+// The height at which most of the elements `own` that face up lie, or the highest of several that
+// hold half as many: a top and boards under it. None where no height holds enough for a top.
+[[nodiscard]] std::optional<double> HeightOfTop(std::span<const int> own,
+                                                const SurfaceElements& elements);
+
+}  // namespace deepslam::instances
