@@ -20,9 +20,8 @@ using instances::Silhouette;
 
 // A thing goes on this far beyond what the surface of the capture holds of it.
 constexpr double kBeyondSurfaceM = 0.08;
-// A top measured this far above its height is the top: errors of the path, and three deviations of
-// a Kinect's noise, seen at 30 degrees, which grow with the squared depth.
-constexpr double kAboveTopM = 0.015;
+constexpr double kAboveTopM = 0.015;  // above its height a top is the top: errors of the path
+// ... and three deviations of a Kinect's noise seen at 30 degrees, per squared metre of depth.
 constexpr double kAboveTopPerM2 = 0.0025;
 
 const Instance& ThingOf(const FrameOfThings& seen, const Silhouette& silhouette) {

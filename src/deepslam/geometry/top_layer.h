@@ -1,4 +1,4 @@
-// The level top of a thing, told by the heights of its points.
+// The support plane of a thing, told by the heights of its points.
 #pragma once
 
 #include <span>

@@ -12,9 +12,9 @@
 #include "deepslam/instances/carried.h"
 #include "deepslam/instances/class_sizes.h"
 #include "deepslam/instances/join_instances.h"
-#include "deepslam/instances/level_top.h"
 #include "deepslam/instances/open_below.h"
 #include "deepslam/instances/reach_back.h"
+#include "deepslam/instances/support_height.h"
 
 namespace deepslam::instances {
 namespace {
@@ -330,7 +330,7 @@ Instances FindInstances(const SurfaceElements& elements,
   TakeFeet(context, instances);
   RejectCarried(instances);
   for (Instance& instance : instances) {
-    if (instance.has_support_plane) instance.top_m = HeightOfTop(instance.elements, elements);
+    if (instance.has_support_plane) instance.top_m = SupportHeight(instance.elements, elements);
   }
   Instances found{std::move(instances), std::vector<int>(elements.size(), -1)};
   for (std::size_t k = 0; k < found.instances.size(); ++k) {

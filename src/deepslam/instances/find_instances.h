@@ -45,7 +45,7 @@ struct Instance {
   std::string class_name;
   bool is_named = false;           // by detections
   bool has_support_plane = false;  // as its class says
-  std::optional<double> top_m;     // of a thing with a support plane: its height (level_top.h)
+  std::optional<double> top_m;     // of a thing with a support plane: its height (support_height.h)
   // Sum of the scores of detections that claimed its superpoints over the views that saw them.
   std::map<std::string, double> class_shares;
   std::string rejection;  // why it is no object of the map; empty: it is one

@@ -1,4 +1,4 @@
-// The level top of a table among all that was taken for it.
+// The height of a support plane among all that was taken for the thing.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace deepslam::instances {
 
 // The height at which most of the elements `own` that face up lie, or the highest of several that
 // hold half as many: a top and boards under it. None where no height holds enough for a top.
-[[nodiscard]] std::optional<double> HeightOfTop(std::span<const int> own,
+[[nodiscard]] std::optional<double> SupportHeight(std::span<const int> own,
                                                 const SurfaceElements& elements);
 
 }  // namespace deepslam::instances

@@ -1,4 +1,4 @@
-#include "deepslam/instances/level_top.h"
+#include "deepslam/instances/support_height.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -26,7 +26,7 @@ std::vector<double> HeightsFacingUp(std::span<const int> own, const SurfaceEleme
 
 }  // namespace
 
-std::optional<double> HeightOfTop(std::span<const int> own, const SurfaceElements& elements) {
+std::optional<double> SupportHeight(std::span<const int> own, const SurfaceElements& elements) {
   const std::vector<double> heights_m = HeightsFacingUp(own, elements);
   const std::span<const double> top_m = TopLayer(heights_m, kLayerM);
   const double element_m2 = elements.voxel_m() * elements.voxel_m();
