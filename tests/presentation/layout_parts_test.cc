@@ -38,6 +38,22 @@ TEST(LayoutParts, AreClosedAndNamed) {
   }
 }
 
+// The measured ground is at z = 0. A floor that was found 2 cm above it is that floor, one of half
+// a metre another.
+TEST(LayoutParts, FloorsLieBelowTheMeasuredGround) {
+  Layout layout = testing_support::TwoRoomLayout();
+  layout.rooms[0].floor_m = 0.02;
+  layout.rooms[1].floor_m = 0.5;
+  const std::vector<gltf::GltfPart> parts = LayoutParts(layout, TriangleMesh());
+  const auto top_of = [&](const char* name) {
+    const std::vector<Eigen::Vector3f>& vertices = Named(parts, name)->mesh_world.vertices;
+    return std::ranges::max(vertices, {}, [](const Eigen::Vector3f& p) { return p.z(); }).z();
+  };
+  EXPECT_LT(top_of("floor_00"), -0.005);
+  EXPECT_GT(top_of("floor_00"), -0.05);
+  EXPECT_NEAR(top_of("floor_01"), 0.5, 0.05);
+}
+
 // The door is a hole in both faces of its wall, and nothing of a slab stands in a room.
 TEST(LayoutParts, WallsStandBehindTheirFacesAndHaveTheirOpenings) {
   const Layout layout = testing_support::TwoRoomLayout();

@@ -31,11 +31,10 @@ constexpr int kMaxInside = 5;  // voxels between two sides of a shell that nobod
 constexpr double kMaxBehindWall = 0.02;
 // Of the model: what is for the most part behind a wall stands elsewhere, and is not too deep.
 constexpr double kMaxModelBehindWall = 0.5;
-constexpr int kBesideTop = 3;       // voxels beside a side of a top that tell whether it ends there
-constexpr double kLeastSeen = 0.3;  // of these: else something hides the side
-constexpr double kMostFree = 0.5;   // of those seen
-constexpr double kEdgeM = 0.02;     // of tops, left out of their sides as outliers
-constexpr int kMaxRegrids = 2;      // for a longest side of kModelExtent
+constexpr int kBesideTop = 3;      // voxels beside a side of a top that tell whether it ends there
+constexpr double kMostSeen = 0.5;  // of these
+constexpr double kEdgeM = 0.0125;  // half a cell of the points that sides are made of
+constexpr int kMaxRegrids = 2;     // for a longest side of kModelExtent
 // Share of a voxel on the surface; a half would make boards thicker.
 constexpr float kInsideShare = 0.49F;
 
@@ -263,7 +262,8 @@ void EndAtWalls(std::span<const Plane> walls,
   }
 }
 
-// Whether rays went through most of what was seen beside a side of the top, at its height.
+// Whether most of what lies beside a side of the top was seen, at its height: had it been the top,
+// the side would lie farther out.
 bool IsSeenToEnd(const Plane& side,
                  const Limits& limits,
                  const Similarity3& object_from_grid,
@@ -278,7 +278,6 @@ bool IsSeenToEnd(const Plane& side,
   };
   int num_voxels = 0;
   int num_seen = 0;
-  int num_free = 0;
   for (int i = 0; i < kGridSize; ++i) {
     for (int j = 0; j < kGridSize; ++j) {
       for (int k = 0; k < kGridSize; ++k) {
@@ -286,11 +285,10 @@ bool IsSeenToEnd(const Plane& side,
         const Votes& votes = claims.seen[VoxelGrid::Index(i, j, k)];
         ++num_voxels;
         num_seen += votes.free + votes.object + votes.other > 0 ? 1 : 0;
-        num_free += votes.IsFree() ? 1 : 0;
       }
     }
   }
-  return num_seen > kLeastSeen * num_voxels && num_free > kMostFree * num_seen;
+  return num_seen > kMostSeen * num_voxels;
 }
 
 // Claims that the model ends with its top.
