@@ -21,9 +21,8 @@ constexpr double kLeastThickness_m = 0.005;  // thinner slabs' faces fight for p
 constexpr double kDoorFrame_m = 0.06;        // width of a door's frame
 constexpr double kFrameDepth_m = 0.02;       // it stands out of the wall by so much
 constexpr double kPane_m = 0.02;             // thickness of a window's glass with its sashes
-constexpr double kUnderGround_m = 0.01;  // floors lie below the measured ground: two in one plane
-                                         // would fight for every pixel
-constexpr double kSameFloor_m = 0.05;    // from the ground: a floor's own error, not another storey
+constexpr double kUnderGround_m = 0.01;      // from a floor's level to its upper side
+constexpr double kSameFloor_m = 0.05;  // from the ground: a floor's own error, not another storey
 constexpr double kCeilingOpacity = 0.25;  // rooms are looked into from above
 constexpr double kGlassOpacity = 0.35;    // seen through, and yet seen
 constexpr Rgb8 kWallColour{226, 222, 214};
@@ -156,9 +155,7 @@ class PartMaker {
     floor.rooms = {static_cast<int>(number)};
     floor.figures = {{"area_m2", AreaOf(room.polygon_m)}, {"height_m", room.floor_m}};
     floor.colour = kFloorColour;
-    const double floor_m =
-        std::abs(room.floor_m) < kSameFloor_m ? std::min(room.floor_m, 0.0) : room.floor_m;
-    AddPrism(std::move(floor), room.polygon_m, floor_m - kUnderGround_m - kSlabThickness_m);
+    AddPrism(std::move(floor), room.polygon_m, TopOfFloor(room.floor_m) - kSlabThickness_m);
     if (!HasCeiling(room)) return;
     gltf::GltfPart ceiling = PartOf("ceiling", number);
     ceiling.rooms = {static_cast<int>(number)};
@@ -174,6 +171,11 @@ class PartMaker {
 };
 
 }  // namespace
+
+double TopOfFloor(double floor_m) {
+  const double level_m = std::abs(floor_m) < kSameFloor_m ? std::min(floor_m, 0.0) : floor_m;
+  return level_m - kUnderGround_m;
+}
 
 std::vector<gltf::GltfPart> LayoutParts(const Layout& layout_world,
                                         const TriangleMesh& surface_world) {

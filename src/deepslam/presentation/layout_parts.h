@@ -16,4 +16,8 @@ namespace deepslam::presentation {
 [[nodiscard]] std::vector<gltf::GltfPart> LayoutParts(const Layout& layout_world,
                                                       const TriangleMesh& surface_world);
 
+// The upper side of a floor among them: a centimetre below its level, and below the measured ground
+// (z = 0) where the two are one floor, since faces in one plane would fight for every pixel.
+[[nodiscard]] double TopOfFloor(double floor_m);
+
 }  // namespace deepslam::presentation

@@ -16,6 +16,7 @@
 #include "deepslam/core/check.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/geometry/box.h"
+#include "deepslam/presentation/layout_parts.h"
 #include "deepslam/shape/mesh_check.h"
 
 namespace deepslam::presentation {
@@ -23,11 +24,10 @@ namespace {
 
 // Feet end unevenly by what voxels and depth leave; a foot that was not seen ends higher.
 constexpr std::array kFootBands_m = {0.01, 0.025, 0.05, 0.1};
-constexpr double kFooting_m = 0.02;   // the centre of mass lies so far within what it stands on
-constexpr double kBodyGap_m = 0.002;  // between things: margins of engines are 1 mm
+constexpr double kFooting_m = 0.02;  // the centre of mass lies so far within what it stands on
+// Between things: margins of engines are 1 mm a body, and lift it off the floor by as much.
+constexpr double kBodyGap_m = 0.004;
 constexpr double kSmallestPiece_m = 0.002;  // engines take nothing thinner
-constexpr double kFloorUnder_m =
-    0.01;  // floors of rooms lie so far below their level (LayoutParts)
 constexpr double kLeastMass_kg = 0.01;  // engines go unstable with lighter bodies beside heavy ones
 constexpr double kPartDensity_kg_m3 = 2000;  // of masonry; parts never move
 
@@ -144,8 +144,8 @@ std::vector<TriangleMesh> OnFloor(std::vector<TriangleMesh> pieces,
 // What bears the object: the endless floor at 0, or the floor of its room where that is higher.
 double FloorOf(const CompactMap& map, const CompactObject& object) {
   if (!object.room || !map.layout) return 0;
-  const double floor_m = map.layout->rooms[static_cast<std::size_t>(*object.room)].floor_m;
-  return std::max(0.0, floor_m - kFloorUnder_m);
+  return std::max(0.0,
+                  TopOfFloor(map.layout->rooms[static_cast<std::size_t>(*object.room)].floor_m));
 }
 
 bool IsTooThin(const TriangleMesh& piece) {

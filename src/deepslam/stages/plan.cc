@@ -77,7 +77,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      RunMesh},
     {"fuse", 6, "detect associate loops optimize", "fuse", kFrames, RunFuse},
     {"export",
-     13,
+     14,
      "track ground layout propose select loops optimize mesh fuse",
      "export export.ground export.gltf export.convex",
      kFrames | kClasses | kExportColumns,
