@@ -73,19 +73,6 @@ Detection AsDetection(const FrameOfThings& seen,
   return detection;
 }
 
-// Counts and box of what is left of a mask.
-void Refit(const DepthImage& depth_m, Silhouette& silhouette) {
-  silhouette.num_points = 0;
-  silhouette.box_px = Box2();
-  for (int v = 0; v < depth_m.height(); ++v) {
-    for (int u = 0; u < depth_m.width(); ++u) {
-      if (silhouette.mask(u, v) == 0) continue;
-      silhouette.num_points += depth_m(u, v) > 0 ? 1 : 0;
-      ExtendByPixel(u, v, silhouette.box_px);
-    }
-  }
-}
-
 // Without what was measured above the thing's top: of what stands on it or before it.
 Silhouette UpToTop(const FrameOfThings& seen, double top_m, Silhouette silhouette) {
   const DepthImage& depth_m = seen.frame.depth_m;
@@ -97,24 +84,23 @@ Silhouette UpToTop(const FrameOfThings& seen, double top_m, Silhouette silhouett
       if (p_level.z() > top_m + kAboveTopM + kAboveTopPerM2 * z_m * z_m) silhouette.mask(u, v) = 0;
     }
   }
-  Refit(depth_m, silhouette);
+  instances::FitToMask(depth_m, seen.camera, silhouette);
   return silhouette;
 }
 
 // The silhouette as the segment has it. Pixels of other things, which widened masks may reach, stay
 // theirs. `own`: its number among the owners.
-Silhouette CutBy(const Segment& segment,
-                 const DepthImage& depth_m,
+Silhouette CutBy(const FrameOfThings& seen,
+                 const Segment& segment,
                  const Image<int>& owners,
                  int own,
                  Silhouette silhouette) {
   silhouette.mask = segment.mask.Unpacked();
-  silhouette.extent_camera = segment.extent_camera;
   for (std::size_t pixel = 0; pixel < owners.size(); ++pixel) {
     const int owner = owners.data()[pixel];
     if (owner != 0 && owner != own) silhouette.mask.data()[pixel] = 0;
   }
-  Refit(depth_m, silhouette);
+  instances::FitToMask(seen.frame.depth_m, seen.camera, silhouette);
   return silhouette;
 }
 
@@ -151,7 +137,7 @@ void CutSilhouettes(const FrameOfThings& seen,
     if (!segments[k].usable) continue;
     const std::size_t n = silhouette_of[k];
     const int own = static_cast<int>(n) + 1;
-    Silhouette cut = CutBy(segments[k], seen.frame.depth_m, owners, own, silhouettes[n]);
+    Silhouette cut = CutBy(seen, segments[k], owners, own, silhouettes[n]);
     if (cut.num_points < options.min_points) continue;  // all but a rest is of other things
     Mark(cut.mask, own, owners);
     silhouettes[n] = std::move(cut);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -12,6 +11,8 @@
 #include <Eigen/Core>
 
 #include "deepslam/geometry/level_rectangle.h"
+#include "deepslam/geometry/top_layer.h"
+#include "deepslam/instances/support_height.h"
 
 namespace deepslam::instances {
 namespace {
@@ -19,10 +20,8 @@ namespace {
 constexpr double kRightAngle_rad = 0.5 * std::numbers::pi;  // from a box's x axis to its y axis
 // Shorter ones may be nightstands on legs.
 constexpr double kMinLongSideM = 0.6;
-constexpr float kLevelNormal = 0.8F;    // z of a normal that faces up, within 37 degrees
-constexpr float kUprightNormal = 0.5F;  // and of one that faces aside, at most
-// Thickness of a layer of the histogram: more than two voxels, so that a level face lies in one or
-// two.
+constexpr float kUprightNormal = 0.5F;  // z of a normal that faces aside, at most
+// Thickness of a top's layer: more than two voxels, so that a level face lies in it.
 constexpr double kLayerM = 0.08;
 // Of the box seen from above. Of tables with things on them less is seen than of bare ones (1).
 constexpr double kMinTopShare = 0.4;
@@ -34,22 +33,17 @@ constexpr double kFloorM = 0.12;  // what is fused of the floor scatters by as m
 // hidden, more.
 constexpr double kMaxCoveredShare = 0.35;
 
-// The height of the layer with the most surface that faces up, if that is enough for a top.
+// The upper side of the layer with the most surface that faces up, if that is enough for a top.
 std::optional<double> TopOf(std::span<const int> own,
                             const UprightBox& box,
                             const SurfaceElements& elements) {
-  std::map<int, int> num_level;  // by layer below the box's top
-  for (const int i : own) {
-    const auto n = static_cast<std::size_t>(i);
-    if (elements.normals()[n].z() < kLevelNormal) continue;
-    const double below_m = box.top_m - static_cast<double>(elements.points()[n].z());
-    ++num_level[static_cast<int>(std::floor(below_m / kLayerM))];
-  }
-  const auto most = std::ranges::max_element(num_level, {}, &std::pair<const int, int>::second);
-  if (most == num_level.end()) return std::nullopt;
-  const double area_m2 = most->second * elements.voxel_m() * elements.voxel_m();
+  const std::vector<double> heights_m = HeightsFacingUp(own, elements);
+  const std::span<const double> top_m = FullestLayer(heights_m, kLayerM);
+  if (top_m.empty()) return std::nullopt;
+  const double area_m2 =
+      static_cast<double>(top_m.size()) * elements.voxel_m() * elements.voxel_m();
   if (area_m2 < kMinTopShare * box.length_m * box.width_m) return std::nullopt;
-  return box.top_m - most->first * kLayerM;
+  return top_m.back();
 }
 
 // Of the thing's long side below a height that some upright surface of it covers, seen from before.

@@ -7,15 +7,6 @@
 namespace deepslam::instances {
 namespace {
 
-void AddPixel(int u, int v, double depth_m, const PinholeCamera& camera, Silhouette& silhouette) {
-  silhouette.mask(u, v) = 1;
-  if (depth_m > 0) {
-    ++silhouette.num_points;
-    silhouette.extent_camera.Extend(camera.Unproject(u, v, depth_m));
-  }
-  ExtendByPixel(u, v, silhouette.box_px);
-}
-
 std::vector<int> CountPixels(const PixelLabels& labels, std::size_t num_instances) {
   std::vector<int> counts(num_instances, 0);
   for (const int k : labels.instance) {
@@ -56,6 +47,22 @@ void Describe(OptionsVisitor& visitor, SilhouetteOptions& options) {
                 "gaps without depth up to this width inside a thing belong to it");
 }
 
+void FitToMask(const DepthImage& depth_m, const PinholeCamera& camera, Silhouette& silhouette) {
+  silhouette.num_points = 0;
+  silhouette.box_px = Box2();
+  silhouette.extent_camera = Box3();
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      if (silhouette.mask(u, v) == 0) continue;
+      ExtendByPixel(u, v, silhouette.box_px);
+      const double z_m = depth_m(u, v);
+      if (!(z_m > 0)) continue;
+      ++silhouette.num_points;
+      silhouette.extent_camera.Extend(camera.Unproject(u, v, z_m));
+    }
+  }
+}
+
 std::vector<Silhouette> FindSilhouettes(const DividedSurface& surface,
                                         std::span<const ShownInstance> shown,
                                         const DepthImage& depth_m,
@@ -81,16 +88,16 @@ std::vector<Silhouette> FindSilhouettes(const DividedSurface& surface,
     silhouettes.back().instance = static_cast<int>(k);
     silhouettes.back().mask = Mask(depth_m.width(), depth_m.height());
   }
-  for (int v = 0; v < depth_m.height(); ++v) {
-    for (int u = 0; u < depth_m.width(); ++u) {
-      const int k = labels.instance(u, v);
-      if (k < 0 || place[static_cast<std::size_t>(k)] < 0) continue;
-      const auto n = static_cast<std::size_t>(place[static_cast<std::size_t>(k)]);
-      AddPixel(u, v, depth_m(u, v), camera, silhouettes[n]);
-    }
+  for (std::size_t pixel = 0; pixel < labels.instance.size(); ++pixel) {
+    const int k = labels.instance.data()[pixel];
+    if (k < 0 || place[static_cast<std::size_t>(k)] < 0) continue;
+    silhouettes[static_cast<std::size_t>(place[static_cast<std::size_t>(k)])].mask.data()[pixel] =
+        1;
   }
-  for (Silhouette& silhouette : silhouettes)
+  for (Silhouette& silhouette : silhouettes) {
+    FitToMask(depth_m, camera, silhouette);
     silhouette.touches_border = TouchesBorder(silhouette.box_px, depth_m, options.border_margin_px);
+  }
   return silhouettes;
 }
 

@@ -33,6 +33,9 @@ struct Silhouette {
   bool touches_border = false;
 };
 
+// Points, box and extent of what its mask holds.
+void FitToMask(const DepthImage& depth_m, const PinholeCamera& camera, Silhouette& silhouette);
+
 // Of every instance that is not rejected and enough of which lies in the frame, ascending. Masks do
 // not overlap. `shown`: what detections with masks show in this frame.
 [[nodiscard]] std::vector<Silhouette> FindSilhouettes(const DividedSurface& surface,

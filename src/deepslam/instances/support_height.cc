@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
 #include "deepslam/geometry/top_layer.h"
 
 namespace deepslam::instances {
 namespace {
 
-constexpr float kFacesUp = 0.9F;     // z of a normal 26 degrees off the vertical
+constexpr float kFacesUp = 0.8F;     // z of a normal 37 degrees off the vertical
 constexpr double kLayerM = 0.05;     // a top and the scatter of the surface's voxels about it
 constexpr double kLeastTopM2 = 0.1;  // of surface: a bedside table
 
-// Ascending.
+}  // namespace
+
 std::vector<double> HeightsFacingUp(std::span<const int> own, const SurfaceElements& elements) {
   std::vector<double> heights_m;
   for (const int i : own) {
@@ -23,8 +23,6 @@ std::vector<double> HeightsFacingUp(std::span<const int> own, const SurfaceEleme
   std::ranges::sort(heights_m);
   return heights_m;
 }
-
-}  // namespace
 
 std::optional<double> SupportHeight(std::span<const int> own, const SurfaceElements& elements) {
   const std::vector<double> heights_m = HeightsFacingUp(own, elements);

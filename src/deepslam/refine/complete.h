@@ -28,8 +28,8 @@ struct Limits {
   // Normals inwards: what was measured beyond them is of something else, or the scatter of depth
   // along the rays, which reaches past every edge.
   std::vector<Plane> sides;
-  // The level face of a support plane, normal down. What carries it stands under it: where the views
-  // saw a side of it end, the model ends there as well.
+  // The level face of a support plane, normal down. What carries it stands under it: where the
+  // views saw a side of it end, the model ends there as well.
   std::optional<Plane> top;
 };
 

@@ -11,6 +11,7 @@
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/geometry/plane.h"
+#include "deepslam/geometry/top_layer.h"
 
 namespace deepslam::refine {
 namespace {
@@ -90,17 +91,10 @@ std::optional<double> HeightOfLevelFace(const Points& points, double voxel) {
   std::vector<double> heights(points.size());
   std::ranges::transform(points, heights.begin(), [](const Eigen::Vector3d& p) { return p.z(); });
   std::ranges::sort(heights);
-  std::size_t most = 0;
-  double face = 0;
-  for (std::size_t low = 0, high = 0; low < heights.size(); ++low) {
-    while (high < heights.size() && heights[high] < heights[low] + 0.5 * voxel) ++high;
-    if (high - low <= most) continue;
-    most = high - low;
-    face = heights[low + most / 2];
-  }
-  if (static_cast<double>(most) <= kLevelShare * static_cast<double>(heights.size()))
+  const std::span<const double> face = FullestLayer(heights, 0.5 * voxel);
+  if (static_cast<double>(face.size()) <= kLevelShare * static_cast<double>(heights.size()))
     return std::nullopt;
-  return face;
+  return face[face.size() / 2];
 }
 
 // z = at.x + at.y x + at.z y.

@@ -39,7 +39,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      RunDetect},
     {"segment", 7, "track ground detect", "segment", kFrames | kClasses, RunSegment},
     {"associate",
-     19,
+     20,
      "track ground layout detect segment",
      "associate associate.things",
      kFrames | kClasses | kTrackOverrides,
