@@ -144,6 +144,24 @@ TEST(FindInstances, WhatNobodyNamesAndHangsIsNoThingOfTheFloor) {
   EXPECT_THAT(names, testing::ElementsAre("cabinet", "furniture"));
 }
 
+TEST(FindInstances, WhatIsDeeperThanAClassIsOfAnother) {
+  const std::vector<Cuboid> world = {{0, {-1.2, 0, 0}, {-0.2, 0.3, 1.9}},
+                                     {1, {0.4, 0, 0}, {1.4, 0.65, 1.9}}};
+  ClassTable classes = Classes();
+  ObjectClass shelf{"shelf", {}, {}, 0.5, 3.0, 0.5, 2.7, {}, {}};
+  shelf.max_depth_m = 0.5;
+  classes.classes.insert(classes.classes.begin(), shelf);
+  const auto names = [&] {
+    std::multiset<std::string> found;
+    for (const Instance& instance : Mapped(Find(world, {}, {}, Evidence::kNone, {}, classes)))
+      found.insert(instance.class_name);
+    return found;
+  };
+  EXPECT_THAT(names(), testing::ElementsAre("cabinet", "shelf"));
+  classes.classes.front().max_depth_m = ObjectClass().max_depth_m;
+  EXPECT_THAT(names(), testing::ElementsAre("shelf", "shelf"));
+}
+
 // Of things that nobody names, over a floor that is seen wherever none of them stands.
 std::vector<Instance> FoundOverFloor(const std::vector<Cuboid>& things, double table_m) {
   SampledWorld sampled = Sample(things);

@@ -225,6 +225,26 @@ TEST(EstimateLayout, SidesOfAWardrobeAreNoWallsWhereNoCeilingWasSeen) {
   EXPECT_GE(layout.walls.size(), 3U);
 }
 
+// The camera looks up to 2 m at the wardrobe, which is higher, and up to the ceiling elsewhere.
+TEST(EstimateLayout, AWardrobeThatNobodyLookedOverIsNoWall) {
+  std::vector<Cuboid> world = OneRoom();
+  AddBox({-2, -0.8, 0}, {-1.4, 0.9, 2.1}, world);
+  std::vector<Pose3> poses;
+  for (const double y : {-1.1, 1.1}) {
+    for (int n = 0; n < 16; ++n) {
+      const double angle = 2 * std::numbers::pi * n / 16;
+      const Eigen::Vector3d from(0.4, y, 1.5);
+      for (const double up : {-0.8, std::cos(angle) < 0.3 ? -0.2 : 0.3})
+        poses.push_back(testing_support::LookAt(
+            from, from + Eigen::Vector3d(std::cos(angle), std::sin(angle), up)));
+    }
+  }
+  const Layout layout = LayoutOf(world, poses);
+  EXPECT_EQ(layout.walls.size(), 4U);
+  ASSERT_EQ(layout.rooms.size(), 1U);
+  EXPECT_NEAR(AreaOf(layout.rooms[0].polygon_m), 12.0, 0.36);
+}
+
 TEST(EstimateLayout, WithoutWallsThereIsNoRoom) {
   std::vector<Cuboid> world;
   testing_support::Append(world, testing_support::TableAt(-1, 1.5, 0));

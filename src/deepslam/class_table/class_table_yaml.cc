@@ -17,7 +17,7 @@
 namespace deepslam::class_table {
 namespace {
 
-constexpr int kVersion = 3;  // of the format; older ones are read, later ones refused
+constexpr int kVersion = 4;  // of the format; older ones are read, later ones refused
 constexpr double kMaxDensityKgM3 = 25'000;  // no metal is denser than 22,600 kg/m3
 constexpr double kMaxSizeM = 20;  // m: no furniture is longer; a larger number is in another unit
 // Aliases can make a small file huge.
@@ -30,6 +30,9 @@ constexpr std::string_view kHeader =
     "classes of CAD models\n"
     "# that may stand for them, `size_m` the range of the longest side and `height_m` of the "
     "height of real ones.\n"
+    "# What no detector names is none of a class whose `max_depth_m` the shorter side of its "
+    "footprint "
+    "exceeds.\n"
     "# A class without labels is found by its depth alone.\n"
     "# Traits, each `true` or left out: `support_plane` is a level plane and what carries it, so "
     "that "
@@ -221,6 +224,8 @@ class TableReader {
       ReadRange(node, c.min_size_m, c.max_size_m);
     } else if (field_ == "height_m") {
       ReadRange(node, c.min_height_m, c.max_height_m);
+    } else if (field_ == "max_depth_m") {
+      ReadMaxDepth(key, node, c);
     } else if (field_ == "colour") {
       ReadColour(node, c);
     } else if (field_ == "stands_on") {
@@ -237,7 +242,7 @@ class TableReader {
         });
     if (column == kFlagColumns.end()) {
       const std::string unknown = std::exchange(field_, {});
-      std::string known = "name, labels, library, size_m, height_m, colour, stands_on";
+      std::string known = "name, labels, library, size_m, height_m, max_depth_m, colour, stands_on";
       for (const FlagColumn& flag : kFlagColumns) known += fmt::format(", {}", flag.name);
       for (const LabelColumn& label : kLabelColumns) known += fmt::format(", {}", label.name);
       known += ", density_kg_m3, fixed";
@@ -342,6 +347,13 @@ class TableReader {
         fmt::format("must be [least, greatest] in metres, 0 < least <= greatest <= {}", kMaxSizeM));
   }
 
+  void ReadMaxDepth(const YAML::Node& key, const YAML::Node& node, ObjectClass& c) {
+    if (!IsOfVersion(key, 4)) return;
+    c.max_depth_m = node.as<double>(NAN);
+    if (!(c.max_depth_m > 0 && c.max_depth_m <= kMaxSizeM))
+      Fault(node, fmt::format("must lie in (0, {}]", kMaxSizeM));
+  }
+
   void ReadColour(const YAML::Node& node, ObjectClass& c) {
     if (!node.IsSequence() || node.size() != 3) return Fault(node, "must be [red, green, blue]");
     for (std::size_t i = 0; i < 3; ++i) {
@@ -379,12 +391,13 @@ std::string EncodeClassTable(const ClassTable& table) {
                         c.name,
                         Quoted(c.detector_labels),
                         Quoted(c.library_classes));
-    text += fmt::format("    size_m: [{}, {}]\n    height_m: [{}, {}]\n    colour: [{}]\n",
+    text += fmt::format("    size_m: [{}, {}]\n    height_m: [{}, {}]\n",
                         c.min_size_m,
                         c.max_size_m,
                         c.min_height_m,
-                        c.max_height_m,
-                        fmt::join(c.colour_rgb, ", "));
+                        c.max_height_m);
+    if (std::isfinite(c.max_depth_m)) text += fmt::format("    max_depth_m: {}\n", c.max_depth_m);
+    text += fmt::format("    colour: [{}]\n", fmt::join(c.colour_rgb, ", "));
     text += SupportsLine(c.traits.supports);
     for (const FlagColumn& column : kFlagColumns) {
       if (c.traits.*(column.flag)) text += fmt::format("    {}: true\n", column.name);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -125,6 +126,10 @@ std::vector<ExportColumns> ColumnsOfExport() {
   };
 }
 
+// Folders are 0.32 m deep and what stands on boards seldom more; what is deeper has doors, or is a
+// wardrobe. With some room for measuring.
+constexpr double kDeepestShelf_m = 0.5;
+
 std::optional<ClassLabel> Known(const ClassLabel& label) {
   return label.id > 0 ? std::optional(label) : std::nullopt;
 }
@@ -145,6 +150,7 @@ ClassTable DefaultClassTable() {
   ClassTable table;
   for (const std::vector<ObjectClass>& rows : {Furniture(), HouseholdThings(), FittedKitchens()})
     table.classes.insert(table.classes.end(), rows.begin(), rows.end());
+  std::ranges::find(table.classes, "shelf", &ObjectClass::name)->max_depth_m = kDeepestShelf_m;
   AddColumnsOfExport(table.classes);
   return table;
 }

@@ -88,6 +88,7 @@ std::string ClassBySize(const UprightBox& box, bool is_open_below, const ClassTa
     if (!is_asked || c.traits.fallback) continue;
     const Supports& supports = c.traits.supports;
     if (box.bottom_m > kMaxHiddenBase_m && !supports.furniture && !supports.wall) continue;
+    if (box.short_side_m() > c.max_depth_m) continue;
     const double eccentricity = std::max(Eccentricity(longest_m, c.min_size_m, c.max_size_m),
                                          Eccentricity(box.top_m, c.min_height_m, c.max_height_m));
     if (eccentricity > least) continue;

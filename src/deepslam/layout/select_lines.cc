@@ -9,6 +9,7 @@
 
 #include "deepslam/core/angles.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/layout/wardrobes.h"
 
 namespace deepslam::layout {
 namespace {
@@ -19,7 +20,6 @@ constexpr double kSameWall_deg = 8;   // walls of homes that are not parallel di
 constexpr double kBridged_m = 0.3;    // gaps between runs of wall that count as wall for that
 // Share of a line's wall: the rest may be noise at the ends of other lines.
 constexpr double kMostOfIt = 0.6;
-constexpr double kHighShare = 0.25;   // of a line's slots, which reach as high as a wall has to
 constexpr double kMinSolid_m2 = 0.3;  // of surface: a metre of wall, seen 0.3 m high
 // Of the height to which most of the capture's wall was seen: what ends lower is furniture, the
 // side of a wardrobe; how high walls are seen depends on where the camera looks.
@@ -63,25 +63,18 @@ double WallLength(const WallProfile& profile) {
 struct SeenWall {
   double length_m = 0;
   double area_m2 = 0;
-  double top_m = 0;  // that a quarter of its length reaches
+  double top_m = 0;
 };
 
 SeenWall SeenOf(const WallProfile& profile) {
   SeenWall seen;
-  std::vector<double> tops_m;
+  seen.length_m = WallLength(profile);
+  seen.top_m = profile.SeenTop(0, profile.num_slots);
   for (int slot = 0; slot < profile.num_slots; ++slot) {
     if (profile.is_wall[static_cast<std::size_t>(slot)] == 0) continue;
-    tops_m.push_back(profile.bottom_m);
-    for (int row = 0; row < profile.num_rows; ++row) {
-      if ((profile.at(slot, row) & kSolid) == 0) continue;
-      seen.area_m2 += kCell_m * kCell_m;
-      tops_m.back() = profile.HeightOf(row + 1);
-    }
+    for (int row = 0; row < profile.num_rows; ++row)
+      seen.area_m2 += (profile.at(slot, row) & kSolid) != 0 ? kCell_m * kCell_m : 0;
   }
-  if (tops_m.empty()) return seen;
-  seen.length_m = kCell_m * static_cast<double>(tops_m.size());
-  std::ranges::sort(tops_m, std::greater());
-  seen.top_m = tops_m[static_cast<std::size_t>(kHighShare * static_cast<double>(tops_m.size()))];
   return seen;
 }
 
@@ -103,10 +96,15 @@ double UsualTop(std::vector<SeenWall> walls) {
   return 0;
 }
 
-// For each of the lines, whether it carries a wall that was seen high enough.
-std::vector<std::uint8_t> AreWalls(const std::vector<WallProfile>& profiles,
-                                   double floor_m,
-                                   const LayoutOptions& options) {
+struct Walls {
+  std::vector<std::uint8_t> of_line;  // for each of the lines, whether it carries one
+  double usual_top_m = 0;
+};
+
+// Lines that carry a wall which was seen high enough.
+Walls FindWalls(const std::vector<WallProfile>& profiles,
+                double floor_m,
+                const LayoutOptions& options) {
   std::vector<SeenWall> seen;
   std::vector<SeenWall> high_enough;
   for (const WallProfile& profile : profiles) {
@@ -114,11 +112,13 @@ std::vector<std::uint8_t> AreWalls(const std::vector<WallProfile>& profiles,
     if (IsWall(seen.back(), floor_m + LayoutOptions::kMinWallTop_m, options))
       high_enough.push_back(seen.back());
   }
-  const double usual_m = UsualTop(std::move(high_enough)) - floor_m;
+  Walls walls;
+  walls.usual_top_m = UsualTop(std::move(high_enough));
+  const double usual_m = walls.usual_top_m - floor_m;
   const double lowest_m = floor_m + std::max(LayoutOptions::kMinWallTop_m, kLowShare * usual_m);
-  std::vector<std::uint8_t> are_walls;
-  for (const SeenWall& wall : seen) are_walls.push_back(IsWall(wall, lowest_m, options) ? 1 : 0);
-  return are_walls;
+  for (const SeenWall& wall : seen)
+    walls.of_line.push_back(IsWall(wall, lowest_m, options) ? 1 : 0);
+  return walls;
 }
 
 // Whether wall of the line stands before or behind a place.
@@ -169,10 +169,10 @@ WallLines SelectLines(const CoarseSurface& surface,
   const Reach heights = HeightsOf(surface);
   const std::vector<WallProfile> profiles =
       ProfilesOf(surface, candidates, heights, options.profiles);
-  const std::vector<std::uint8_t> are_walls = AreWalls(profiles, floor_m, options);
+  const Walls found = FindWalls(profiles, floor_m, options);
   WallLines walls;
   for (std::size_t n = 0; n < candidates.size(); ++n) {
-    if (are_walls[n] == 0) continue;
+    if (found.of_line[n] == 0) continue;
     if (IsSameWall(candidates[n], profiles[n], walls)) continue;
     walls.lines.push_back(candidates[n]);
     walls.profiles.push_back(profiles[n]);
@@ -186,6 +186,7 @@ WallLines SelectLines(const CoarseSurface& surface,
   if (options.align) AlignLines(kept);
   walls.lines = std::move(kept);
   walls.profiles = ProfilesOf(surface, walls.lines, heights, options.profiles);
+  DropWardrobes(found.usual_top_m, walls);
   return walls;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <functional>
 
 namespace deepslam::layout {
 namespace {
@@ -140,6 +142,22 @@ double WallProfile::WallShare(double from_m, double to_m) const {
   for (int slot = std::max(first, 0); slot < std::min(end, num_slots); ++slot)
     num_wall += is_wall[static_cast<std::size_t>(slot)];
   return static_cast<double>(num_wall) / (end - first);
+}
+
+double WallProfile::SeenTop(int first, int end) const {
+  constexpr double kHighShare = 0.25;  // of the slots: where the camera looked up
+  std::vector<double> tops_m;
+  for (int slot = first; slot < end; ++slot) {
+    if (is_wall[static_cast<std::size_t>(slot)] == 0) continue;
+    int top = -1;
+    for (int row = 0; row < num_rows; ++row) {
+      if ((at(slot, row) & kSolid) != 0) top = row;
+    }
+    tops_m.push_back(HeightOf(top + 1));
+  }
+  if (tops_m.empty()) return bottom_m;
+  std::ranges::sort(tops_m, std::greater());
+  return tops_m[static_cast<std::size_t>(kHighShare * static_cast<double>(tops_m.size()))];
 }
 
 std::vector<std::pair<int, int>> WallProfile::WallRuns() const {

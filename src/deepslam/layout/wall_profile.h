@@ -51,6 +51,8 @@ struct WallProfile {
   [[nodiscard]] double HeightOf(int row) const { return bottom_m + row * kCell_m; }
   // Share of [from_m, to_m] where a wall stands.
   [[nodiscard]] double WallShare(double from_m, double to_m) const;
+  // Height that a quarter of the wall in slots [first, end) was seen to; the bottom without any.
+  [[nodiscard]] double SeenTop(int first, int end) const;
   // Runs of slots where a wall stands, as [first, end).
   [[nodiscard]] std::vector<std::pair<int, int>> WallRuns() const;
 };

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -94,6 +95,8 @@ struct ObjectClass {
   ClassTraits traits;
   CommonLabels labels_elsewhere = {};
   ClassPhysics physics = {};
+  // Shorter side of the footprint of real objects, metres; of what no detector names.
+  double max_depth_m = std::numeric_limits<double>::infinity();
 };
 
 struct ClassTable {

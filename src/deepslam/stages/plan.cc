@@ -30,7 +30,7 @@ struct PlannedStage {
 constexpr std::array<PlannedStage, 15> kChain = {{
     {"track", 21, "", "track track.covisible track.join", kFrames, RunTrack},
     {"ground", 8, "track", "ground", kFrames | kGroundHint, RunGround},
-    {"layout", 13, "track ground", "layout layout.surface", kFrames, RunLayout},
+    {"layout", 14, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
      10,
      "track ground",
@@ -39,7 +39,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      RunDetect},
     {"segment", 7, "track ground detect", "segment", kFrames | kClasses, RunSegment},
     {"associate",
-     20,
+     21,
      "track ground layout detect segment",
      "associate associate.things",
      kFrames | kClasses | kTrackOverrides,
