@@ -24,7 +24,7 @@ constexpr double kParallel_deg = 8;    // as walls that face the same way (selec
 // Of the wall behind a front: what the camera sees past its ends.
 constexpr double kMostShown = 0.25;
 constexpr double kBeside_m = 1.5;     // beside it, where other furniture hides some of it
-constexpr double kLeastBeside = 0.2;  // of that: 30 cm of wall
+constexpr double kLeastBeside = 0.1;  // of that: 15 cm of wall
 constexpr double kSlack_m = 0.15;     // of where a side ends
 constexpr double kUnseen_m = 0.6;     // of a front, next to its side
 
