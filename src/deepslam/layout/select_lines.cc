@@ -9,7 +9,7 @@
 
 #include "deepslam/core/angles.h"
 #include "deepslam/core/parallel.h"
-#include "deepslam/layout/wardrobes.h"
+#include "deepslam/layout/furniture_fronts.h"
 
 namespace deepslam::layout {
 namespace {
@@ -186,7 +186,7 @@ WallLines SelectLines(const CoarseSurface& surface,
   if (options.align) AlignLines(kept);
   walls.lines = std::move(kept);
   walls.profiles = ProfilesOf(surface, walls.lines, heights, options.profiles);
-  DropWardrobes(found.usual_top_m, walls);
+  DropFurniture(found.usual_top_m, walls);
   return walls;
 }
 

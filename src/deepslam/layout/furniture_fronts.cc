@@ -1,10 +1,11 @@
-#include "deepslam/layout/wardrobes.h"
+#include "deepslam/layout/furniture_fronts.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,13 +17,15 @@ namespace {
 // Wardrobes and tall cupboards are 0.5 to 0.7 m deep with their doors and handles. Shelves, which
 // are less, hide no wall from a camera that walks by.
 constexpr double kShallowest_m = 0.4;
-constexpr double kDeepest_m = 0.75;    // see there
-constexpr double kNarrowest_m = 0.4;   // what is seen of a front of two leaves
-constexpr double kLongest_m = 3.0;     // of what shops sell
+constexpr double kDeepest_m = 0.75;   // with what measuring adds
+constexpr double kNearest_m = 0.2;    // farther from a wall than what hangs on it (select_lines.cc)
+constexpr double kNarrowest_m = 0.4;  // what is seen of a front of two leaves
+constexpr double kLongest_m = 3.0;    // of what shops sell
 constexpr double kBelowUsual_m = 0.1;  // two cells: a wall's uppermost cells are uneven by one
 constexpr double kParallel_deg = 8;    // as walls that face the same way (select_lines.cc)
 // Of the wall behind a front: what the camera sees past its ends.
 constexpr double kMostShown = 0.25;
+constexpr double kLeastShown = 0.75;  // or below and above, where it is no front from floor to top
 constexpr double kBeside_m = 1.5;     // beside it, where other furniture hides some of it
 constexpr double kLeastBeside = 0.1;  // of that: 15 cm of wall
 constexpr double kSlack_m = 0.15;     // of where a side ends
@@ -68,17 +71,34 @@ Interval Before(const WallLine& line, const WallLine& of_run, const Run& run) {
 
 double CosineBetween(const WallLine& a, const WallLine& b) { return a.normal.dot(b.normal); }
 
-// Whether the run stands before wall of line k that it hides.
-bool HidesWallOf(const WallLines& walls, std::size_t k, const Run& run) {
+// The part of line k that the run stands before, which faces its way; nothing where that is nearer
+// or farther.
+std::optional<Interval> PartBehind(const WallLines& walls,
+                                   std::size_t k,
+                                   const Run& run,
+                                   double nearest_m) {
   const WallLine& front = walls.lines[run.line];
-  if (CosineBetween(walls.lines[k], front) < std::cos(kParallel_deg * kRadPerDeg)) return false;
+  if (CosineBetween(walls.lines[k], front) < std::cos(kParallel_deg * kRadPerDeg))
+    return std::nullopt;
   const Interval before = Before(walls.lines[k], front, run);
-  if (before.low < kShallowest_m || before.high > kDeepest_m) return false;
-  const Interval hidden = Along(walls.lines[k], front, run);
+  if (before.low < nearest_m || before.high > kDeepest_m) return std::nullopt;
+  return Along(walls.lines[k], front, run);
+}
+
+bool HidesWallOf(const WallLines& walls, std::size_t k, const Run& run) {
+  const std::optional<Interval> hidden = PartBehind(walls, k, run, kShallowest_m);
+  if (!hidden) return false;
   const WallProfile& wall = walls.profiles[k];
-  return wall.WallShare(hidden.low, hidden.high) <= kMostShown &&
-         std::max(wall.WallShare(hidden.low - kBeside_m, hidden.low),
-                  wall.WallShare(hidden.high, hidden.high + kBeside_m)) >= kLeastBeside;
+  return wall.WallShare(hidden->low, hidden->high) <= kMostShown &&
+         std::max(wall.WallShare(hidden->low - kBeside_m, hidden->low),
+                  wall.WallShare(hidden->high, hidden->high + kBeside_m)) >= kLeastBeside;
+}
+
+// Whether wall of line k was seen behind it all along, below or above: two walls have a room
+// between them.
+bool ShowsWallOf(const WallLines& walls, std::size_t k, const Run& run) {
+  const std::optional<Interval> shown = PartBehind(walls, k, run, kNearest_m);
+  return shown && walls.profiles[k].WallShare(shown->low, shown->high) >= kLeastShown;
 }
 
 struct Front {
@@ -92,10 +112,11 @@ std::vector<Front> FindFronts(const WallLines& walls,
   std::vector<Front> fronts;
   for (const Run& run : runs) {
     if (run.Length() < kNarrowest_m || run.Length() > kLongest_m) continue;
-    if (walls.profiles[run.line].SeenTop(run.first, run.end) > usual_top_m - kBelowUsual_m)
-      continue;
+    const bool is_low =
+        walls.profiles[run.line].SeenTop(run.first, run.end) <= usual_top_m - kBelowUsual_m;
     for (std::size_t k = 0; k < walls.lines.size(); ++k) {
-      if (k == run.line || !HidesWallOf(walls, k, run)) continue;
+      if (k == run.line) continue;
+      if (!ShowsWallOf(walls, k, run) && !(is_low && HidesWallOf(walls, k, run))) continue;
       fronts.push_back({run, k});
       break;
     }
@@ -123,7 +144,7 @@ void TakeOut(const Run& run, WallLines& walls) {
 
 }  // namespace
 
-void DropWardrobes(double usual_top_m, WallLines& walls) {
+void DropFurniture(double usual_top_m, WallLines& walls) {
   const std::vector<Run> runs = RunsOf(walls);
   const std::vector<Front> fronts = FindFronts(walls, runs, usual_top_m);
   std::vector<Run> dropped;

@@ -1,4 +1,4 @@
-#include "deepslam/layout/wardrobes.h"
+#include "deepslam/layout/furniture_fronts.h"
 
 #include <cmath>
 #include <cstddef>
@@ -67,49 +67,66 @@ WallLines RoomWith(const Wardrobe& wardrobe) {
 }
 
 std::size_t NumKept(WallLines walls) {
-  DropWardrobes(kUsualTop_m, walls);
+  DropFurniture(kUsualTop_m, walls);
   EXPECT_EQ(walls.lines.size(), walls.profiles.size());
   return walls.lines.size();
 }
 
-TEST(Wardrobes, AreNoWalls) {
+TEST(FurnitureFronts, AreNoWalls) {
   WallLines walls = RoomWith({});
   ASSERT_EQ(walls.lines.size(), 3U);
-  DropWardrobes(kUsualTop_m, walls);
+  DropFurniture(kUsualTop_m, walls);
   ASSERT_EQ(walls.lines.size(), 1U) << "front and side";
   EXPECT_EQ(walls.lines[0].offset_m, 0);
   EXPECT_EQ(walls.profiles[0].WallRuns().size(), 2U) << "the wall is as it was";
 }
 
-TEST(Wardrobes, WhatIsSeenAsHighAsTheWallsIsAWall) {
+TEST(FurnitureFronts, WhatIsSeenAsHighAsTheWallsIsAWall) {
   EXPECT_EQ(NumKept(RoomWith({.top_m = kUsualTop_m})), 3U) << "a shaft";
   EXPECT_EQ(NumKept(RoomWith({.top_m = kUsualTop_m - 0.05})), 3U) << "uneven by a cell";
 }
 
-TEST(Wardrobes, AreAsDeepAndAsLongAsWardrobesAre) {
+TEST(FurnitureFronts, AreAsDeepAndAsLongAsWardrobesAre) {
   EXPECT_EQ(NumKept(RoomWith({.depth_m = 0.25})), 3U) << "a chimney breast";
   EXPECT_EQ(NumKept(RoomWith({.depth_m = 1.2})), 3U) << "a corner of the room";
   EXPECT_EQ(NumKept(RoomWith({.length_m = 3.6})), 3U) << "a wall of its own";
 }
 
-TEST(Wardrobes, HideTheWallBehindThem) {
-  EXPECT_EQ(NumKept(RoomWith({.hides = false})), 3U) << "a wall of the next room";
+TEST(FurnitureFronts, HideTheWallBehindThem) {
+  WallLines walls = RoomWith({});
+  walls.profiles[0].is_wall.assign(200, 0);
+  EXPECT_EQ(NumKept(walls), 3U) << "nothing says that there is a wall";
+}
+
+// Wall cabinets over a counter, seen as high as anything, and the wall between the two.
+TEST(FurnitureFronts, NoWallStandsRightBeforeAWallThatWasSeen) {
+  const Wardrobe cabinets = {.depth_m = 0.35, .top_m = kUsualTop_m, .hides = false};
+  EXPECT_EQ(NumKept(RoomWith(cabinets)), 1U);
+  Wardrobe longer = cabinets;
+  longer.length_m = 2.9;
+  EXPECT_EQ(NumKept(RoomWith(longer)), 1U);
+  Wardrobe picture = cabinets;
+  picture.depth_m = 0.1;
+  EXPECT_EQ(NumKept(RoomWith(picture)), 3U) << "hangs on it";
+  Wardrobe corridor = cabinets;
+  corridor.depth_m = 0.9;
+  EXPECT_EQ(NumKept(RoomWith(corridor)), 3U) << "room for a person between";
 }
 
 // In the same line stands a wall of another room.
-TEST(Wardrobes, LeaveTheOtherWallOfTheirLine) {
+TEST(FurnitureFronts, LeaveTheOtherWallOfTheirLine) {
   WallLines walls = RoomWith({});
   walls.lines.erase(walls.lines.begin() + 1);
   walls.profiles.erase(walls.profiles.begin() + 1);
   Add({0, 1}, 0.6, {{0, 1.7, 2.0}, {3.5, 4.5}}, walls);
-  DropWardrobes(kUsualTop_m, walls);
+  DropFurniture(kUsualTop_m, walls);
   ASSERT_EQ(walls.lines.size(), 2U);
   const WallProfile& line = walls.profiles[1];
   EXPECT_EQ(line.WallShare(0, 1.7), 0);
   EXPECT_EQ(line.WallShare(3.5, 4.5), 1);
 }
 
-TEST(Wardrobes, OfNothingThereAreNone) { EXPECT_EQ(NumKept(WallLines()), 0U); }
+TEST(FurnitureFronts, OfNothingThereAreNone) { EXPECT_EQ(NumKept(WallLines()), 0U); }
 
 }  // namespace
 }  // namespace deepslam::layout
