@@ -15,7 +15,7 @@ constexpr double kWithin = 1.5;         // voxels
 constexpr double kBehindFace = 4;       // voxels
 constexpr double kMinWallFacing = 0.6;  // cosine between a vertex's normal and the face's
 constexpr double kMaxVertical = 0.5;    // of a vertex's normal
-constexpr double kThingDepth_m = 0.65;  // wardrobes and desks are 60 cm deep, shelves less
+constexpr double kThingDepth_m = 0.75;  // wardrobes are up to 70 cm deep, shelves and desks less
 constexpr double kFootOfWall_m = 0.1;   // nothing is told of the wall where it meets the ground
 
 std::size_t IndexOf(const WallProfile& profile, int slot, int row) {
