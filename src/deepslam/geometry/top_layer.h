@@ -10,8 +10,7 @@ namespace deepslam {
 [[nodiscard]] std::span<const double> FullestLayer(std::span<const double> heights_m,
                                                    double layer_m);
 
-// The same, or the highest of several that hold
-// half as many: a top and the boards under it.
+// The same, or the highest of several that hold half as many: a top and the boards under it.
 [[nodiscard]] std::span<const double> TopLayer(std::span<const double> heights_m, double layer_m);
 
 }  // namespace deepslam
