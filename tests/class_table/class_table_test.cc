@@ -55,6 +55,7 @@ TEST(ClassTableFile, ReadsBackWhatItWrites) {
       EXPECT_EQ(read->classes[n].labels_elsewhere, table.classes[n].labels_elsewhere);
       EXPECT_EQ(read->classes[n].physics, table.classes[n].physics);
       EXPECT_EQ(read->classes[n].max_depth_m, table.classes[n].max_depth_m);
+      EXPECT_EQ(read->classes[n].max_seat_height_m, table.classes[n].max_seat_height_m);
     }
     EXPECT_EQ(EncodeClassTable(*read), EncodeClassTable(table));
   }
@@ -70,19 +71,31 @@ TEST(ClassTableFile, TraitsThatAreLeftOutAreFalseWhateverTheName) {
   EXPECT_EQ(table->Fallback(), nullptr);
 }
 
-TEST(ClassTableFile, ReadsHowDeepThingsAre) {
-  const Result<ClassTable> table = DecodeClassTable(
-      File(4, {Entry("altar"), Entry("shelf", "    max_depth_m: 0.4\n")}), "c.yaml");
+TEST(ClassTableFile, ReadsHowDeepAndHowLevelThingsAre) {
+  const Result<ClassTable> table =
+      DecodeClassTable(File(5,
+                            {Entry("altar"),
+                             Entry("shelf", "    max_depth_m: 0.4\n"),
+                             Entry("chair", "    max_seat_height_m: 0.6\n")}),
+                       "c.yaml");
   ASSERT_TRUE(table.ok()) << table.error().message;
   EXPECT_GT(table->classes[0].max_depth_m, 1e9) << "any depth";
   EXPECT_EQ(table->classes[1].max_depth_m, 0.4);
-  for (const char* none : {"0", "-1", "deep", "[0.1, 0.4]", "400", ".nan"}) {
-    EXPECT_THAT(FaultsOf(File(4, {Entry("shelf", fmt::format("    max_depth_m: {}\n", none))})),
-                HasSubstr("class shelf, max_depth_m: must lie in (0, 20]"))
-        << none;
+  EXPECT_GT(table->classes[1].max_seat_height_m, 1e9) << "any height";
+  EXPECT_EQ(table->classes[2].max_seat_height_m, 0.6);
+  for (const auto& [field, since] : {std::pair("max_depth_m", 4), {"max_seat_height_m", 5}}) {
+    const auto entry = [field = field](const char* value) {
+      return Entry("shelf", fmt::format("    {}: {}\n", field, value));
+    };
+    for (const char* none : {"0", "-1", "deep", "[0.1, 0.4]", "400", ".nan"}) {
+      EXPECT_THAT(FaultsOf(File(since, {entry(none)})),
+                  HasSubstr(fmt::format("class shelf, {}: must lie in (0, 20]", field)))
+          << none;
+    }
+    EXPECT_THAT(FaultsOf(File(since - 1, {entry("0.4")})),
+                HasSubstr(fmt::format(
+                    "is not of version {}; write `version: {}` above", since - 1, since)));
   }
-  EXPECT_THAT(FaultsOf(File(3, {Entry("shelf", "    max_depth_m: 0.4\n")})),
-              HasSubstr("is not of version 3; write `version: 4` above"));
 }
 
 TEST(ClassTableFile, ReadsWhatThingsRestOn) {
@@ -235,15 +248,15 @@ TEST(ClassTableFile, ReadsVersionOneWithTheTraitsItsNamesMeant) {
 }
 
 TEST(ClassTableFile, RefusesOtherVersions) {
-  EXPECT_THAT(FaultsOf(File(5, {Entry("table")})),
-              AllOf(HasSubstr("c.yaml:1: version is 5, written for a later deepslam"),
-                    HasSubstr("reads 1 to 4")));
+  EXPECT_THAT(FaultsOf(File(6, {Entry("table")})),
+              AllOf(HasSubstr("c.yaml:1: version is 6, written for a later deepslam"),
+                    HasSubstr("reads 1 to 5")));
   for (const std::string version : {"0", "-1", "two", "[2]", "1.5", "99999999999"}) {
     EXPECT_THAT(FaultsOf("version: " + version + "\nclasses:\n" + Entry("table")),
-                HasSubstr("version must be 1 to 4"))
+                HasSubstr("version must be 1 to 5"))
         << version;
   }
-  EXPECT_THAT(FaultsOf("classes:\n" + Entry("table")), HasSubstr("version must be 1 to 4"));
+  EXPECT_THAT(FaultsOf("classes:\n" + Entry("table")), HasSubstr("version must be 1 to 5"));
 }
 
 TEST(ClassTableFile, TellsAllFaultsWithLineClassAndField) {
@@ -264,7 +277,8 @@ TEST(ClassTableFile, TellsAllFaultsWithLineClassAndField) {
       faults,
       HasSubstr(
           "c.yaml:10: class table: unknown key \"suport_plane\"; known are name, "
-          "labels, library, size_m, height_m, max_depth_m, colour, stands_on, support_plane"));
+          "labels, library, size_m, height_m, max_depth_m, max_seat_height_m, colour, stands_on, "
+          "support_plane"));
   EXPECT_THAT(faults, HasSubstr("class 2: name \"Chair\" must be lower-case"));
   EXPECT_THAT(faults, HasSubstr("class 2, yaw_free: is \"\", must be true or false"));
   EXPECT_THAT(faults, HasSubstr("class furniture: is a fallback, as class plant is already"));

@@ -125,6 +125,26 @@ TEST(FindInstances, AClassIsAVoteOfAllViews) {
   EXPECT_GT(largest->class_shares.at("table"), largest->class_shares.at("chair"));
 }
 
+TEST(FindInstances, ATopThatDetectionsTakeForASeatIsATable) {
+  ClassTable classes = Classes();
+  classes.classes[0].max_seat_height_m = 0.6;
+  classes.classes[1].traits.support_plane = true;
+  const auto name_of = [&](double side_m, double height_m) {
+    const Eigen::Vector3d half(side_m / 2, side_m / 2, 0);
+    const std::vector<Cuboid> world = {{0, -half, half + Eigen::Vector3d(0, 0, height_m)}};
+    const Found found = Find(
+        world, Orbit(kMiddle, 2.4, 1.5, 0, 40, 9), {{0, "chair"}}, Evidence::kMasks, {}, classes);
+    EXPECT_THAT(found.instances.instances, SizeIs(1));
+    EXPECT_TRUE(found.instances.instances.front().is_named);
+    return found.instances.instances.front().class_name;
+  };
+  EXPECT_EQ(name_of(0.8, 0.75), "table") << "under a cloth";
+  EXPECT_EQ(name_of(0.8, 0.45), "chair") << "a pouf";
+  EXPECT_EQ(name_of(0.4, 0.75), "chair") << "a bar stool";
+  classes.classes[0].max_seat_height_m = ObjectClass().max_seat_height_m;
+  EXPECT_EQ(name_of(0.8, 0.75), "chair") << "of a class that may have any top";
+}
+
 TEST(FindInstances, WhatNobodyNamesAndHangsIsNoThingOfTheFloor) {
   // A wall cabinet and a cabinet of its size; no class but the fallback may hang.
   const std::vector<Cuboid> world = {{0, {-1, 0, 0}, {-0.2, 0.4, 0.6}},

@@ -17,7 +17,7 @@
 namespace deepslam::class_table {
 namespace {
 
-constexpr int kVersion = 4;  // of the format; older ones are read, later ones refused
+constexpr int kVersion = 5;  // of the format; older ones are read, later ones refused
 constexpr double kMaxDensityKgM3 = 25'000;  // no metal is denser than 22,600 kg/m3
 constexpr double kMaxSizeM = 20;  // m: no furniture is longer; a larger number is in another unit
 // Aliases can make a small file huge.
@@ -33,6 +33,7 @@ constexpr std::string_view kHeader =
     "# What no detector names is none of a class whose `max_depth_m` the shorter side of its "
     "footprint "
     "exceeds.\n"
+    "# What has a level face over most of it above `max_seat_height_m` is none of that class.\n"
     "# A class without labels is found by its depth alone.\n"
     "# Traits, each `true` or left out: `support_plane` is a level plane and what carries it, so "
     "that "
@@ -225,7 +226,9 @@ class TableReader {
     } else if (field_ == "height_m") {
       ReadRange(node, c.min_height_m, c.max_height_m);
     } else if (field_ == "max_depth_m") {
-      ReadMaxDepth(key, node, c);
+      ReadGreatest(key, 4, node, c.max_depth_m);
+    } else if (field_ == "max_seat_height_m") {
+      ReadGreatest(key, 5, node, c.max_seat_height_m);
     } else if (field_ == "colour") {
       ReadColour(node, c);
     } else if (field_ == "stands_on") {
@@ -242,7 +245,9 @@ class TableReader {
         });
     if (column == kFlagColumns.end()) {
       const std::string unknown = std::exchange(field_, {});
-      std::string known = "name, labels, library, size_m, height_m, max_depth_m, colour, stands_on";
+      std::string known =
+          "name, labels, library, size_m, height_m, max_depth_m, max_seat_height_m, colour, "
+          "stands_on";
       for (const FlagColumn& flag : kFlagColumns) known += fmt::format(", {}", flag.name);
       for (const LabelColumn& label : kLabelColumns) known += fmt::format(", {}", label.name);
       known += ", density_kg_m3, fixed";
@@ -347,10 +352,10 @@ class TableReader {
         fmt::format("must be [least, greatest] in metres, 0 < least <= greatest <= {}", kMaxSizeM));
   }
 
-  void ReadMaxDepth(const YAML::Node& key, const YAML::Node& node, ObjectClass& c) {
-    if (!IsOfVersion(key, 4)) return;
-    c.max_depth_m = node.as<double>(NAN);
-    if (!(c.max_depth_m > 0 && c.max_depth_m <= kMaxSizeM))
+  void ReadGreatest(const YAML::Node& key, int since, const YAML::Node& node, double& max_m) {
+    if (!IsOfVersion(key, since)) return;
+    max_m = node.as<double>(NAN);
+    if (!(max_m > 0 && max_m <= kMaxSizeM))
       Fault(node, fmt::format("must lie in (0, {}]", kMaxSizeM));
   }
 
@@ -397,6 +402,8 @@ std::string EncodeClassTable(const ClassTable& table) {
                         c.min_height_m,
                         c.max_height_m);
     if (std::isfinite(c.max_depth_m)) text += fmt::format("    max_depth_m: {}\n", c.max_depth_m);
+    if (std::isfinite(c.max_seat_height_m))
+      text += fmt::format("    max_seat_height_m: {}\n", c.max_seat_height_m);
     text += fmt::format("    colour: [{}]\n", fmt::join(c.colour_rgb, ", "));
     text += SupportsLine(c.traits.supports);
     for (const FlagColumn& column : kFlagColumns) {

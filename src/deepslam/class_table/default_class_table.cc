@@ -129,6 +129,9 @@ std::vector<ExportColumns> ColumnsOfExport() {
 // Folders are 0.32 m deep and what stands on boards seldom more; what is deeper has doors, or is a
 // wardrobe. With some room for measuring.
 constexpr double kDeepestShelf_m = 0.5;
+// Seats are 0.4 to 0.52 m high, those of bar stools higher but as small as stools are; tops that
+// one sits at begin at 0.65 m.
+constexpr double kHighestSeat_m = 0.6;
 
 std::optional<ClassLabel> Known(const ClassLabel& label) {
   return label.id > 0 ? std::optional(label) : std::nullopt;
@@ -151,6 +154,7 @@ ClassTable DefaultClassTable() {
   for (const std::vector<ObjectClass>& rows : {Furniture(), HouseholdThings(), FittedKitchens()})
     table.classes.insert(table.classes.end(), rows.begin(), rows.end());
   std::ranges::find(table.classes, "shelf", &ObjectClass::name)->max_depth_m = kDeepestShelf_m;
+  std::ranges::find(table.classes, "chair", &ObjectClass::name)->max_seat_height_m = kHighestSeat_m;
   AddColumnsOfExport(table.classes);
   return table;
 }

@@ -108,18 +108,30 @@ bool IsOpenBelow(const Context& context, const Instance& instance) {
          IsFloorSeenIn(instance.box_level, context.elements, context.superpoints);
 }
 
-void Name(const Context& context, Instance& instance) {
+// The class that most detections name, of those whose things are like this one; nothing where none
+// does. A top that detections take for a seat is one of a table.
+std::string ClassByVotes(const Context& context, const Instance& instance) {
   const ClassTable& classes = context.classes;
+  const std::optional<double> top_m =
+      LevelFaceHeight(instance.elements, instance.box_level, context.elements);
+  std::string best;
   double most = context.options.min_class_share;
   for (const auto& [name, share] : instance.class_shares) {
     const ObjectClass* object_class = classes.Find(name);
     if (share < most || object_class == nullptr || !MayBe(*object_class, instance.box_level))
       continue;
-    if (instance.is_named && share <= most) continue;
+    if (!best.empty() && share <= most) continue;
     most = share;
-    instance.class_name = name;
-    instance.is_named = true;
+    const bool is_seat = !(top_m > object_class->max_seat_height_m);
+    best = is_seat ? name : ClassBySize(instance.box_level, true, classes);
   }
+  return best;
+}
+
+void Name(const Context& context, Instance& instance) {
+  const ClassTable& classes = context.classes;
+  instance.class_name = ClassByVotes(context, instance);
+  instance.is_named = !instance.class_name.empty();
   if (!instance.is_named) {
     const bool is_open_below = IsOpenBelow(context, instance);
     instance.class_name = ClassBySize(instance.box_level, is_open_below, classes);

@@ -33,19 +33,6 @@ constexpr double kFloorM = 0.12;  // what is fused of the floor scatters by as m
 // hidden, more.
 constexpr double kMaxCoveredShare = 0.35;
 
-// The upper side of the layer with the most surface that faces up, if that is enough for a top.
-std::optional<double> TopOf(std::span<const int> own,
-                            const UprightBox& box,
-                            const SurfaceElements& elements) {
-  const std::vector<double> heights_m = HeightsFacingUp(own, elements);
-  const std::span<const double> top_m = FullestLayer(heights_m, kLayerM);
-  if (top_m.empty()) return std::nullopt;
-  const double area_m2 =
-      static_cast<double>(top_m.size()) * elements.voxel_m() * elements.voxel_m();
-  if (area_m2 < kMinTopShare * box.length_m * box.width_m) return std::nullopt;
-  return top_m.back();
-}
-
 // Of the thing's long side below a height that some upright surface of it covers, seen from before.
 double CoveredShare(std::span<const int> own,
                     const UprightBox& box,
@@ -84,11 +71,23 @@ double FloorShare(const UprightBox& box,
 
 }  // namespace
 
+std::optional<double> LevelFaceHeight(std::span<const int> own,
+                                      const UprightBox& box_level,
+                                      const SurfaceElements& elements) {
+  if (box_level.long_side_m() < kMinLongSideM) return std::nullopt;
+  const std::vector<double> heights_m = HeightsFacingUp(own, elements);
+  const std::span<const double> top_m = FullestLayer(heights_m, kLayerM);
+  if (top_m.empty()) return std::nullopt;
+  const double area_m2 =
+      static_cast<double>(top_m.size()) * elements.voxel_m() * elements.voxel_m();
+  if (area_m2 < kMinTopShare * box_level.length_m * box_level.width_m) return std::nullopt;
+  return top_m.back();
+}
+
 bool IsTopOnLegs(std::span<const int> own,
                  const UprightBox& box_level,
                  const SurfaceElements& elements) {
-  if (box_level.long_side_m() < kMinLongSideM) return false;
-  const std::optional<double> top_m = TopOf(own, box_level, elements);
+  const std::optional<double> top_m = LevelFaceHeight(own, box_level, elements);
   return top_m && CoveredShare(own, box_level, *top_m, elements) <= kMaxCoveredShare;
 }
 

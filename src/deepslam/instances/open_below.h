@@ -1,6 +1,7 @@
 // What tells a support plane on legs: tables and desks, whatever a detector calls them.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,9 +11,15 @@
 
 namespace deepslam::instances {
 
-// `own`: the thing's elements, `box_level` round them. True where a level layer makes up most of
-// its upper side and little upright surface lies below that. Things as small as nightstands never
-// are: legs lift those as well.
+// `own`: the thing's elements, `box_level` round them. The height of a level layer that makes up
+// most of its upper side; none where there is none, and of things as small as nightstands and
+// stools.
+[[nodiscard]] std::optional<double> LevelFaceHeight(std::span<const int> own,
+                                                    const UprightBox& box_level,
+                                                    const SurfaceElements& elements);
+
+// Likewise. True where there is such a layer and little upright surface below it. Of
+// nightstands there is none: legs lift those as well.
 [[nodiscard]] bool IsTopOnLegs(std::span<const int> own,
                                const UprightBox& box_level,
                                const SurfaceElements& elements);

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/modelling/long_side.h"
 #include "deepslam/modelling/measured_limits.h"
 #include "deepslam/modelling/turned_along.h"
 #include "deepslam/modelling/walls_behind.h"
@@ -233,6 +234,7 @@ Proposals CompleteBest(const CandidateSet& set,
   std::optional<refine::CompletedModel> model =
       refine::CompleteModel(whole, placed, options.refinement, limits);
   if (!model) return completed;
+  if (HasSupportPlane(set, options)) FaceAcrossLongSide(limits.walls, *model);
   const Similarity3 world_from_completed = WorldFromObject(registration) * model->model_from_grid;
   Add(start,
       CandidateSource::kCompleted,

@@ -97,6 +97,8 @@ struct ObjectClass {
   ClassPhysics physics = {};
   // Shorter side of the footprint of real objects, metres; of what no detector names.
   double max_depth_m = std::numeric_limits<double>::infinity();
+  // Of seats: what has a level face over most of it that lies higher is none of the class, metres.
+  double max_seat_height_m = std::numeric_limits<double>::infinity();
 };
 
 struct ClassTable {
