@@ -39,6 +39,13 @@ std::string FaultsOf(const std::string& text) {
   return table.error().message;
 }
 
+// Of a file without faults; of another one as many empty classes.
+ClassTable TableOf(int version, const std::vector<std::string>& entries) {
+  const Result<ClassTable> table = DecodeClassTable(File(version, entries), "c.yaml");
+  EXPECT_TRUE(table.ok()) << table.error().message;
+  return table.ok() ? *table : ClassTable{std::vector<ObjectClass>(entries.size())};
+}
+
 TEST(ClassTableFile, ReadsBackWhatItWrites) {
   for (const bool flag : {false, true}) {
     ClassTable table = DefaultClassTable();
@@ -62,27 +69,22 @@ TEST(ClassTableFile, ReadsBackWhatItWrites) {
 }
 
 TEST(ClassTableFile, TraitsThatAreLeftOutAreFalseWhateverTheName) {
-  const Result<ClassTable> table = DecodeClassTable(
-      File(2, {Entry("table"), Entry("altar", "    support_plane: true\n    yaw_free: false\n")}),
-      "c.yaml");
-  ASSERT_TRUE(table.ok()) << table.error().message;
-  EXPECT_EQ(table->TraitsOf("table"), ClassTraits());
-  EXPECT_EQ(table->TraitsOf("altar"), (ClassTraits{.support_plane = true}));
-  EXPECT_EQ(table->Fallback(), nullptr);
+  const ClassTable table = TableOf(
+      2, {Entry("table"), Entry("altar", "    support_plane: true\n    yaw_free: false\n")});
+  EXPECT_EQ(table.TraitsOf("table"), ClassTraits());
+  EXPECT_EQ(table.TraitsOf("altar"), (ClassTraits{.support_plane = true}));
+  EXPECT_EQ(table.Fallback(), nullptr);
 }
 
 TEST(ClassTableFile, ReadsHowDeepAndHowLevelThingsAre) {
-  const Result<ClassTable> table =
-      DecodeClassTable(File(5,
-                            {Entry("altar"),
-                             Entry("shelf", "    max_depth_m: 0.4\n"),
-                             Entry("chair", "    max_seat_height_m: 0.6\n")}),
-                       "c.yaml");
-  ASSERT_TRUE(table.ok()) << table.error().message;
-  EXPECT_GT(table->classes[0].max_depth_m, 1e9) << "any depth";
-  EXPECT_EQ(table->classes[1].max_depth_m, 0.4);
-  EXPECT_GT(table->classes[1].max_seat_height_m, 1e9) << "any height";
-  EXPECT_EQ(table->classes[2].max_seat_height_m, 0.6);
+  const ClassTable table = TableOf(5,
+                                   {Entry("altar"),
+                                    Entry("shelf", "    max_depth_m: 0.4\n"),
+                                    Entry("chair", "    max_seat_height_m: 0.6\n")});
+  EXPECT_GT(table.classes[0].max_depth_m, 1e9) << "any depth";
+  EXPECT_EQ(table.classes[1].max_depth_m, 0.4);
+  EXPECT_GT(table.classes[1].max_seat_height_m, 1e9) << "any height";
+  EXPECT_EQ(table.classes[2].max_seat_height_m, 0.6);
   for (const auto& [field, since] : {std::pair("max_depth_m", 4), {"max_seat_height_m", 5}}) {
     const auto entry = [field = field](const char* value) {
       return Entry("shelf", fmt::format("    {}: {}\n", field, value));
@@ -99,17 +101,14 @@ TEST(ClassTableFile, ReadsHowDeepAndHowLevelThingsAre) {
 }
 
 TEST(ClassTableFile, ReadsWhatThingsRestOn) {
-  const Result<ClassTable> table =
-      DecodeClassTable(File(2,
-                            {Entry("chair"),
-                             Entry("tv", "    stands_on: [furniture, wall]\n"),
-                             Entry("plant", "    stands_on: [furniture, floor]\n")}),
-                       "c.yaml");
-  ASSERT_TRUE(table.ok()) << table.error().message;
-  EXPECT_EQ(table->TraitsOf("chair").supports, Supports());
-  EXPECT_EQ(table->TraitsOf("tv").supports,
+  const ClassTable table = TableOf(2,
+                                   {Entry("chair"),
+                                    Entry("tv", "    stands_on: [furniture, wall]\n"),
+                                    Entry("plant", "    stands_on: [furniture, floor]\n")});
+  EXPECT_EQ(table.TraitsOf("chair").supports, Supports());
+  EXPECT_EQ(table.TraitsOf("tv").supports,
             (Supports{.floor = false, .furniture = true, .wall = true}));
-  EXPECT_EQ(table->TraitsOf("plant").supports, (Supports{.furniture = true}));
+  EXPECT_EQ(table.TraitsOf("plant").supports, (Supports{.furniture = true}));
   for (const char* none : {"[]", "floor", "{floor: true}", "7"}) {
     EXPECT_THAT(FaultsOf(File(2, {Entry("tv", fmt::format("    stands_on: {}\n", none))})),
                 HasSubstr("class tv, stands_on: must be a list of floor, furniture, wall"))
@@ -175,19 +174,17 @@ TEST(DefaultClasses, TraitsFitOneAnother) {
 }
 
 TEST(ClassTableFile, ReadsWhatOtherProgramsCallAClassAndWhatItWeighs) {
-  const Result<ClassTable> table = DecodeClassTable(
-      File(3,
-           {Entry("chair"),
-            Entry("sink",
-                  "    coco: [81, sink]\n    nyu40: [34, \"a, b\"]\n    density_kg_m3: 250.5\n"
-                  "    fixed: true\n")}),
-      "c.yaml");
-  ASSERT_TRUE(table.ok()) << table.error().message;
-  EXPECT_EQ(table->classes[0].labels_elsewhere, CommonLabels());
-  EXPECT_EQ(table->classes[0].physics, ClassPhysics());
-  EXPECT_EQ(table->classes[1].labels_elsewhere.coco, (ClassLabel{81, "sink"}));
-  EXPECT_EQ(table->classes[1].labels_elsewhere.nyu40, (ClassLabel{34, "a, b"}));
-  EXPECT_EQ(table->classes[1].physics, (ClassPhysics{250.5, true}));
+  const ClassTable table =
+      TableOf(3,
+              {Entry("chair"),
+               Entry("sink",
+                     "    coco: [81, sink]\n    nyu40: [34, \"a, b\"]\n    density_kg_m3: 250.5\n"
+                     "    fixed: true\n")});
+  EXPECT_EQ(table.classes[0].labels_elsewhere, CommonLabels());
+  EXPECT_EQ(table.classes[0].physics, ClassPhysics());
+  EXPECT_EQ(table.classes[1].labels_elsewhere.coco, (ClassLabel{81, "sink"}));
+  EXPECT_EQ(table.classes[1].labels_elsewhere.nyu40, (ClassLabel{34, "a, b"}));
+  EXPECT_EQ(table.classes[1].physics, (ClassPhysics{250.5, true}));
   const auto fault_of = [](const std::string& line) {
     return FaultsOf(File(3, {Entry("sink", "    " + line + "\n")}));
   };
@@ -230,17 +227,15 @@ TEST(DefaultClasses, TheirIdsTellThemApartInEverySet) {
 
 // Tables that users have: what programs of that version took from the name still holds.
 TEST(ClassTableFile, ReadsVersionOneWithTheTraitsItsNamesMeant) {
-  const Result<ClassTable> table = DecodeClassTable(
-      File(1, {Entry("table"), Entry("desk"), Entry("bed"), Entry("plant"), Entry("furniture")}),
-      "c.yaml");
-  ASSERT_TRUE(table.ok()) << table.error().message;
-  const auto traits = [&](const char* name) { return table->TraitsOf(name); };
+  const ClassTable table =
+      TableOf(1, {Entry("table"), Entry("desk"), Entry("bed"), Entry("plant"), Entry("furniture")});
+  const auto traits = [&](const char* name) { return table.TraitsOf(name); };
   EXPECT_EQ(traits("table"), (ClassTraits{.support_plane = true, .yaw_free = true}));
   EXPECT_EQ(traits("desk"), (ClassTraits{.support_plane = true}));
   EXPECT_EQ(traits("bed"), (ClassTraits{.solid_inside = true}));
   EXPECT_EQ(traits("plant"), ClassTraits());
-  ASSERT_NE(table->Fallback(), nullptr);
-  EXPECT_EQ(table->Fallback()->name, "furniture");
+  ASSERT_NE(table.Fallback(), nullptr);
+  EXPECT_EQ(table.Fallback()->name, "furniture");
   EXPECT_TRUE(traits("furniture").solid_inside && traits("furniture").yaw_free);
   EXPECT_THAT(
       FaultsOf(File(1, {Entry("table", "    yaw_free: true\n")})),

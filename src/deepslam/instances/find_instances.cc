@@ -112,8 +112,6 @@ bool IsOpenBelow(const Context& context, const Instance& instance) {
 // does. A top that detections take for a seat is one of a table.
 std::string ClassByVotes(const Context& context, const Instance& instance) {
   const ClassTable& classes = context.classes;
-  const std::optional<double> top_m =
-      LevelFaceHeight(instance.elements, instance.box_level, context.elements);
   std::string best;
   double most = context.options.min_class_share;
   for (const auto& [name, share] : instance.class_shares) {
@@ -122,8 +120,9 @@ std::string ClassByVotes(const Context& context, const Instance& instance) {
       continue;
     if (!best.empty() && share <= most) continue;
     most = share;
-    const bool is_seat = !(top_m > object_class->max_seat_height_m);
-    best = is_seat ? name : ClassBySize(instance.box_level, true, classes);
+    const bool is_top = LevelFaceHeight(instance.elements, instance.box_level, context.elements) >
+                        object_class->max_seat_height_m;
+    best = is_top ? ClassBySize(instance.box_level, true, classes) : name;
   }
   return best;
 }

@@ -18,8 +18,8 @@ namespace deepslam::instances {
                                                     const UprightBox& box_level,
                                                     const SurfaceElements& elements);
 
-// Likewise. True where there is such a layer and little upright surface below it. Of
-// nightstands there is none: legs lift those as well.
+// Whether there is such a layer and little upright surface below it. Of nightstands there is none:
+// legs lift those as well.
 [[nodiscard]] bool IsTopOnLegs(std::span<const int> own,
                                const UprightBox& box_level,
                                const SurfaceElements& elements);

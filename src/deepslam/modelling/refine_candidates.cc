@@ -234,7 +234,7 @@ Proposals CompleteBest(const CandidateSet& set,
   std::optional<refine::CompletedModel> model =
       refine::CompleteModel(whole, placed, options.refinement, limits);
   if (!model) return completed;
-  if (HasSupportPlane(set, options)) FaceAcrossLongSide(limits.walls, *model);
+  if (HasSupportPlane(set, options)) FaceAcrossLongSide(*model);
   const Similarity3 world_from_completed = WorldFromObject(registration) * model->model_from_grid;
   Add(start,
       CandidateSource::kCompleted,
