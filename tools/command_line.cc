@@ -1,13 +1,34 @@
 #include "command_line.h"
 
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "console.h"
 #include "deepslam/core/freed_memory.h"
+#include "deepslam/core/nearest_word.h"
 
 namespace deepslam::tools {
+namespace {
+
+// A first word that is no command, told with the command it may be; nothing of all else.
+std::string UnknownCommand(const CLI::App& app, std::string_view word) {
+  if (word.starts_with('-')) return {};
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    if (command->check_name(std::string(word))) return {};
+    if (!command->get_group().empty()) known.push_back(command->get_name());
+  }
+  const std::string nearest = NearestWord(word, known);
+  return fmt::format("{} is no command{}; 'deepslam --help' lists them",
+                     word,
+                     nearest.empty() ? nearest : fmt::format(", did you mean {}?", nearest));
+}
+
+}  // namespace
 
 int RunCommandLine(int argc, char** argv, std::span<const AddCommand> commands) {
   KeepFreedMemory();
@@ -21,6 +42,12 @@ int RunCommandLine(int argc, char** argv, std::span<const AddCommand> commands) 
   app.fallthrough();
   Command chosen;
   for (const AddCommand add : commands) add(app, chosen);
+  if (const std::string fault = argc > 1 ? UnknownCommand(app, argv[1]) : std::string();
+      !fault.empty()) {
+    SetUpLogging(log_level);
+    LogError(fault);
+    return kExitUsage;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -9,6 +9,7 @@
 #include "deepslam/convert/convert.h"
 #include "deepslam/convert/posed_frames.h"
 #include "deepslam/layouts/open_capture.h"
+#include "number_from.h"
 
 namespace deepslam::tools {
 namespace {
@@ -27,8 +28,7 @@ int Convert(const ConvertArguments& arguments) {
     return ReportError(InvalidConfig("OUT: names no folder or file; give the result's"));
   const convert::OutputFormat* format = convert::FindOutputFormat(arguments.to);
   CatchStopSignals();
-  Result<dataset::Capture> capture =
-      layouts::OpenCapture(arguments.in, layouts::FramesTaken::kAll);
+  Result<dataset::Capture> capture = layouts::OpenCapture(arguments.in, layouts::FramesTaken::kAll);
   if (!capture.ok()) return ReportError(capture.error());
   if (!arguments.trajectory.empty()) {
     if (Status taken = convert::TakePosesOf(arguments.trajectory, *capture); !taken.ok())
@@ -74,7 +74,10 @@ void AddConvert(CLI::App& app, Command& chosen) {
   std::vector<std::string> names;
   for (const convert::OutputFormat& format : convert::OutputFormats())
     names.emplace_back(format.name);
-  convert->add_option("--to", arguments->to, "Layout to write: tum, 7scenes, scannet, open3d, nerfstudio or colmap")
+  convert
+      ->add_option("--to",
+                   arguments->to,
+                   "Layout to write: tum, 7scenes, scannet, open3d, nerfstudio or colmap")
       ->required()
       ->check(CLI::IsMember(names));
   convert
@@ -82,7 +85,7 @@ void AddConvert(CLI::App& app, Command& chosen) {
                    arguments->depth_units_per_m,
                    "Raw depth of one metre in the result, 1/m; default: the source's where the "
                    "layout can hold it")
-      ->check(CLI::Range(1.0, 1e6));
+      ->check(NumberFrom(1.0, 1e6));
   convert->add_option("--trajectory",
                       arguments->trajectory,
                       "Poses to write instead of the capture's: the folder of a run, or a list "

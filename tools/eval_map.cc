@@ -14,6 +14,7 @@
 #include "eval_commands.h"
 #include "eval_data.h"
 #include "eval_surfaces.h"
+#include "number_from.h"
 
 namespace deepslam::tools {
 namespace {
@@ -23,7 +24,7 @@ using artifact::JsonObject;
 using artifact::JsonValue;
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr double kBoxMarginM = 0.05;  // the fused surface counts within this of a true box
+constexpr double kBoxMarginM = 0.05;   // the fused surface counts within this of a true box
 constexpr double kCloudVoxelM = 0.01;  // of the measured surface that is compared with the truth
 constexpr std::int64_t kBytesPerCloudPoint = 15;  // three floats, three bytes of colour
 
@@ -193,7 +194,7 @@ void AddEvalMap(CLI::App& eval_command, Command& chosen) {
   command->add_option(
       "--json", arguments->json, "Write the result here instead of to standard output");
   command->add_option("--threshold", arguments->threshold_m, "Of completeness and accuracy, m")
-      ->check(CLI::Range(0.001, 1.0))
+      ->check(NumberFrom(0.001, 1.0))
       ->capture_default_str();
   command->add_flag("--no-cloud",
                     arguments->skip_cloud,

@@ -14,6 +14,7 @@
 #include "eval_commands.h"
 #include "eval_data.h"
 #include "eval_surfaces.h"
+#include "number_from.h"
 
 namespace deepslam::tools {
 namespace {
@@ -405,7 +406,7 @@ void AddEvalObjects(CLI::App& eval_command, Command& chosen) {
       ->add_option("--max-match",
                    arguments->options.max_match_m,
                    "Between the centres of a true object and its mapped one, m")
-      ->check(CLI::Range(0.01, 100.0))
+      ->check(NumberFrom(0.01, 100.0))
       ->capture_default_str();
   command->callback([&chosen, arguments] {
     chosen = [arguments] {

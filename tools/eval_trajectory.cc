@@ -11,6 +11,7 @@
 #include "deepslam/layouts/open_capture.h"
 #include "eval_commands.h"
 #include "eval_data.h"
+#include "number_from.h"
 
 namespace deepslam::tools {
 namespace {
@@ -86,6 +87,11 @@ int EvalTrajectory(const EvalTrajectoryArguments& arguments) {
     return ReportError(InvalidInput(
         fmt::format("{} and {}: {}", arguments.estimate, arguments.truth, result.error().message)));
   }
+  if (result->num_relative == 0 && arguments.options.rpe_delta > 1) {
+    return ReportError(InvalidInput(fmt::format("--rpe-delta {}: only {} frames were scored",
+                                                arguments.options.rpe_delta,
+                                                result->num_scored)));
+  }
   fmt::print(
       stderr, "{:<12} {:>10} {:>10} {:>10} {:>10}\n", "error", "rmse", "mean", "median", "max");
   PrintRow("ATE m", result->ate_m);
@@ -126,7 +132,7 @@ void AddEvalTrajectory(CLI::App& eval_command, Command& chosen) {
       ->add_option("--max-time-difference",
                    arguments->options.max_time_difference_s,
                    "Between an estimated pose and its true one, s")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(NumberFrom(0.0, 10.0))
       ->capture_default_str();
   command
       ->add_option(

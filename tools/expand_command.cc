@@ -73,7 +73,6 @@ Result<Expanded> Expand(const ExpandArguments& arguments) {
 }
 
 Status WriteIn(const std::filesystem::path& file, std::string_view bytes) {
-  if (!file.has_parent_path()) return storage::WriteFileAtomically(file, bytes);
   const Status made = storage::MakeFolders(file.parent_path());
   return made.ok() ? storage::WriteFileAtomically(file, bytes) : made;
 }
@@ -110,6 +109,11 @@ Status WriteGlb(const Expanded& expanded, const ExpandArguments& arguments) {
 int Run(const ExpandArguments& arguments) {
   const std::string ending = std::filesystem::path(arguments.out).extension().string();
   const bool is_usd = ending == ".usda" || ending == ".usdz";
+  if (!is_usd && ending != ".glb") {
+    return ReportError(InvalidConfig(fmt::format(
+        "--output {}: is no scene that is written; end its name in .glb, .usda or .usdz",
+        arguments.out)));
+  }
   if (arguments.physics && !is_usd) {
     return ReportError(InvalidInput(fmt::format(
         "--physics is for .usda and .usdz, not for {}; --simulator DIR has it beside any scene",
@@ -136,9 +140,7 @@ void AddExpand(CLI::App& app, Command& chosen) {
   CLI::App* expand = app.add_subcommand(
       "expand", "The scene again from the compact map alone: objects, labels, poses, ground");
   expand->add_option("MAP", arguments->map, "map.json of a run")->required();
-  expand
-      ->add_option(
-          "-o,--output", arguments->out, "Scene file to write (.usda, .usdz; else it is a .glb)")
+  expand->add_option("-o,--output", arguments->out, "Scene file to write: .glb, .usda or .usdz")
       ->required();
   expand->add_option(
       "--simulator",

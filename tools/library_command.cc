@@ -13,6 +13,7 @@
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/storage/store.h"
+#include "number_from.h"
 
 namespace deepslam::tools {
 namespace {
@@ -151,7 +152,7 @@ void AddLibrary(CLI::App& app, Command& chosen) {
           "--catalogues", split_arguments->catalogues, "Folder with *.sh3f furniture catalogues")
       ->capture_default_str();
   split->add_option("--share", split_arguments->share, "Of each class's products")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(NumberFrom(0.0, 1.0))
       ->capture_default_str();
   split->callback([&chosen, split_arguments] {
     chosen = [split_arguments] {

@@ -1,4 +1,5 @@
 #include "render_options.h"
+#include "number_from.h"
 
 #include <CLI/CLI.hpp>
 
@@ -56,7 +57,7 @@ void AddViewOptions(CLI::App& command, RenderRequest& render) {
           render.tops,
           "Share of the views of which only what lies above some height is left, cut by the "
           "image: tables seen from close by")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(NumberFrom(0.0, 1.0))
       ->capture_default_str();
   command.add_option("--seed", render.seed, "Of designs and views")->capture_default_str();
 }

@@ -3,7 +3,7 @@
 add_library(deepslam_commands OBJECT
   batch_capture.cc batch_command.cc batch_display.cc batch_local.cc batch_slurm.cc batch_summary.cc batch_worker.cc
   command_line.cc config_command.cc console.cc convert_command.cc doctor_command.cc expand_command.cc
-  library_command.cc run_capture.cc run_command.cc validate_command.cc)
+  library_command.cc number_from.cc run_capture.cc run_command.cc validate_command.cc)
 target_link_libraries(deepslam_commands PUBLIC
   deepslam::batch deepslam::stages deepslam::convert deepslam::layouts CLI11::CLI11 spdlog::spdlog fmt::fmt)
 deepslam_compile_options(deepslam_commands)
@@ -32,7 +32,7 @@ foreach(program deepslam deepslam_tools)
 endforeach()
 # What renders training views of packed products: carried to another machine with the few libraries it loads.
 add_executable(deepslam_views
-  known_shapes.cc packed_products.cc render_options.cc render_shards.cc training_models.cc training_shards.cc views_program.cc)
+  known_shapes.cc number_from.cc packed_products.cc render_options.cc render_shards.cc training_models.cc training_shards.cc views_program.cc)
 target_link_libraries(deepslam_views PRIVATE
   deepslam::priors deepslam::furniture deepslam::library deepslam::storage deepslam::artifact CLI11::CLI11 fmt::fmt)
 target_link_options(deepslam_views PRIVATE -Wl,--as-needed -Wl,--gc-sections)

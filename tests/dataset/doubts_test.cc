@@ -52,6 +52,22 @@ TEST(TimeDoubts, OtherUnitsThanSeconds) {
   EXPECT_THAT(TimeDoubts(Times(33e-6)), ElementsAre(HasSubstr("in seconds")));
 }
 
+IntensityImage Grey(int base, int range) {
+  IntensityImage picture(64, 48);
+  for (std::size_t k = 0; k < picture.size(); ++k)
+    picture.data()[k] = static_cast<float>(base + static_cast<int>(k) % (range + 1));
+  return picture;
+}
+
+TEST(ColourDoubts, PicturesOfOneTone) {
+  const auto doubts = [](std::vector<IntensityImage> pictures) { return ColourDoubts(pictures); };
+  EXPECT_THAT(doubts({Grey(0, 0), Grey(0, 0), Grey(250, 4)}), ElementsAre(HasSubstr("3 of 3")));
+  EXPECT_THAT(doubts({Grey(0, 0), Grey(0, 0), Grey(40, 90)}), ElementsAre(HasSubstr("2 of 3")));
+  EXPECT_THAT(doubts({Grey(0, 0), Grey(20, 30)}), IsEmpty()) << "a lens that was covered at first";
+  EXPECT_THAT(doubts({Grey(230, 20)}), IsEmpty()) << "a white wall";
+  EXPECT_THAT(doubts({}), IsEmpty());
+}
+
 DepthImage Room(float times) {
   DepthImage depth_m(64, 48);
   for (std::size_t k = 0; k < depth_m.size(); ++k)

@@ -86,6 +86,14 @@ TEST(ParseFileList, LinesWrittenTwiceAreNoClockThatWasSetBack) {
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("6 lines repeat")));
 }
 
+TEST(ParseFileList, RefusesTimesThatAreMostlyOne) {
+  std::vector<std::string> warnings;
+  const auto files = ParseFileList("7 a\n7 b\n7 c\n7 d\n8 e\n", "rgb.txt", warnings);
+  ASSERT_FALSE(files.ok());
+  EXPECT_THAT(files.error().message, HasSubstr("rgb.txt: 5 different lines have 2 times"));
+  EXPECT_TRUE(ParseFileList("7 a\n7 b\n8 c\n8 d\n", "rgb.txt", warnings).ok());
+}
+
 TEST(AssociateByTime, PairsWithinSegmentsOfTheClock) {
   std::vector<std::string> warnings;
   const auto colour = ParseFileList(TwoSegments("rgb/a", "rgb/b"), "rgb.txt", warnings);

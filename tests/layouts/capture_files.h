@@ -18,14 +18,16 @@ inline const char* const kTestSettings =
     "format: tum\ncamera: {width: 32, height: 24, fx: 30, fy: 30, cx: 15.5, cy: "
     "11.5}\ndepth_units_per_m: 1000\n";
 
-// rgb/<i>.png of grey 10 i, depth/<i>.png of 1000 + i.
+// rgb/<i>.png of grey 10 i with a brighter middle, depth/<i>.png of 1000 + i.
 inline void WriteImages(const std::filesystem::path& folder, int i) {
   std::filesystem::create_directories(folder / "rgb");
   std::filesystem::create_directories(folder / "depth");
   const auto grey = static_cast<std::uint8_t>(10 * i);
-  ASSERT_TRUE(dataset::WriteColourFile(folder / fmt::format("rgb/{}.png", i),
-                                       ColourImage(kTestWidth, kTestHeight, Rgb8{grey, grey, grey}))
-                  .ok());
+  const auto brighter = static_cast<std::uint8_t>(grey + 40);
+  ColourImage colour(kTestWidth, kTestHeight, Rgb8{grey, grey, grey});
+  for (int v = 0; v < kTestHeight; ++v)
+    for (int u = kTestWidth / 4; u < kTestWidth / 2; ++u) colour(u, v) = {brighter, brighter, brighter};
+  ASSERT_TRUE(dataset::WriteColourFile(folder / fmt::format("rgb/{}.png", i), colour).ok());
   ASSERT_TRUE(dataset::WriteDepthFile(
                   folder / fmt::format("depth/{}.png", i),
                   RawDepthImage(kTestWidth, kTestHeight, static_cast<std::uint16_t>(1000 + i)))

@@ -4,6 +4,7 @@
 
 #include "capture_files.h"
 #include "deepslam/core/parallel.h"
+#include "opened_capture.h"
 
 namespace deepslam::layouts {
 namespace {
@@ -262,6 +263,33 @@ TEST(OpenCapture, BadFramesAreErrorsOfTheirOwn) {
   EXPECT_THAT(capture->warnings, ElementsAre(AllOf(HasSubstr("rgb/5.png"), HasSubstr("1 of 6"))));
 }
 
+TEST(OpenCapture, FilesThatGoAwayAreNoBadFrames) {
+  const TempDir dir;
+  WriteCapture(dir.path(), 3);
+  const Result<dataset::Capture> capture = OpenCapture(dir.path());
+  ASSERT_TRUE(capture.ok()) << capture.error().message;
+  ASSERT_TRUE(capture->frames->Read(FrameIdx{1}).ok());
+  EXPECT_FALSE(capture->faults->first().has_value());
+  std::filesystem::remove(dir.path() / "depth/1.png");
+  const Result<Frame> frame = capture->frames->ReadDepth(FrameIdx{1});
+  ASSERT_FALSE(frame.ok());
+  EXPECT_EQ(frame.error().code, ErrorCode::kFailed);
+  ASSERT_TRUE(capture->faults->first().has_value());
+  EXPECT_THAT(capture->faults->first()->message,
+              AllOf(HasSubstr("depth/1.png"), HasSubstr("read before")));
+}
+
+TEST(OpenCapture, SaysThatPicturesAreOfOneTone) {
+  const TempDir dir;
+  WriteCapture(dir.path(), 3);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(dataset::WriteColourFile(dir.path() / fmt::format("rgb/{}.png", i),
+                                         ColourImage(kTestWidth, kTestHeight, Rgb8{}))
+                    .ok());
+  }
+  EXPECT_THAT(Open(dir.path()).doubts, ElementsAre(HasSubstr("3 of 3 pictures")));
+}
+
 TEST(OpenCapture, RefusesMissingFoldersAndFiles) {
   const TempDir dir;
   EXPECT_THAT(Refusal(dir.path() / "nowhere"), AllOf(HasSubstr("nowhere"), HasSubstr("missing")));
@@ -292,7 +320,9 @@ TEST(OpenCapture, KnowsTheCamerasOfTumByName) {
   const std::filesystem::path folder = dir.path() / "rgbd_dataset_freiburg2_desk";
   std::filesystem::create_directories(folder / "rgb");
   std::filesystem::create_directories(folder / "depth");
-  ASSERT_TRUE(dataset::WriteColourFile(folder / "rgb/0.png", ColourImage(640, 480)).ok());
+  ColourImage colour(640, 480);
+  colour(320, 240) = {255, 255, 255};
+  ASSERT_TRUE(dataset::WriteColourFile(folder / "rgb/0.png", colour).ok());
   ASSERT_TRUE(dataset::WriteDepthFile(folder / "depth/0.png", RawDepthImage(640, 480, 5000)).ok());
   WriteText(folder / "rgb.txt", "0 rgb/0.png\n");
   WriteText(folder / "depth.txt", "0 depth/0.png\n");

@@ -57,6 +57,10 @@ class CommandLine(unittest.TestCase):
         self.check(run("run", "x", "-o", self.dir / "w", "--config", self.dir / "none.yaml"), 2, "none.yaml")
         self.assertFalse((self.dir / "w").exists(), "nothing may be made of a wrong command")
 
+    def test_a_word_that_is_no_command_gets_the_nearest_one(self):
+        self.check(run("runn", "capture"), 2, "runn is no command, did you mean run?")
+        self.check(run("photogrammetry"), 2, "photogrammetry is no command; ")
+
     def test_help_and_version(self):
         self.assertEqual(run("--help").returncode, 0)
         self.assertIn("run", run("--help").stdout)
@@ -154,6 +158,9 @@ class CommandLine(unittest.TestCase):
             self.check(run("expand", file, "-o", scene), 3, pattern)
             self.assertFalse(scene.exists(), "nothing may be written")
         file.write_text(json.dumps(EMPTY_MAP))
+        for name in ("out.stl", "out"):
+            self.check(run("expand", file, "-o", self.dir / name), 2, name + ": is no scene that is written")
+            self.assertFalse((self.dir / name).exists())
         self.check(run("expand", file, "-o", scene), 0)
         self.check(run("validate", scene, "--map", file), 0)
 
@@ -164,6 +171,8 @@ class CommandLine(unittest.TestCase):
         result = run("eval", "trajectory", truth, truth)
         self.check(result, 0, "20 of 20 frames scored")
         self.assertLess(json.loads(result.stdout)["ate_m"]["rmse"], 1e-9)
+        self.check(run("eval", "trajectory", truth, truth, "--rpe-delta", "20"), 3, "--rpe-delta 20")
+        self.check(run("eval", "trajectory", truth, truth, "--max-time-difference", "nan"), 2, "nan")
         bad = self.dir / "bad.tum"
         bad.write_text("0 0 0 0\n")
         self.check(run("eval", "trajectory", bad, truth), 3, "bad.tum:1")

@@ -1,6 +1,8 @@
 #include "deepslam/dataset/capture_frame_source.h"
 
+#include <atomic>
 #include <utility>
+#include <vector>
 
 #include "deepslam/dataset/depth_registration.h"
 #include "deepslam/frames/intensity.h"
@@ -16,7 +18,9 @@ class CaptureFrameSource final : public FrameSource {
         faults_(std::move(faults)),
         camera_(FrameCamera(stored_->cameras())),
         reduction_(ColourReduction(stored_->cameras())),
-        metres_(stored_->cameras().depth_units_per_m) {}
+        metres_(stored_->cameras().depth_units_per_m),
+        colour_was_read_(stored_->frames().size()),
+        depth_was_read_(stored_->frames().size()) {}
 
   [[nodiscard]] int num_frames() const override {
     return static_cast<int>(stored_->frames().size());
@@ -40,8 +44,8 @@ class CaptureFrameSource final : public FrameSource {
   }
 
   [[nodiscard]] Result<StoredDepth> ReadStoredDepth(FrameIdx frame) const override {
-    Result<RawDepthImage> raw = stored_->ReadDepth(Index(frame));
-    if (!raw) return Noted(raw.error());
+    Result<RawDepthImage> raw = Noted(stored_->ReadDepth(Index(frame)), depth_was_read_, frame);
+    if (!raw) return raw.error();
     const CaptureCameras& cameras = stored_->cameras();
     if (cameras.registered() && reduction_ == 1) return StoredDepth(*std::move(raw), metres_);
     return StoredDepth(
@@ -50,8 +54,8 @@ class CaptureFrameSource final : public FrameSource {
 
   [[nodiscard]] Result<Frame> ReadColour(FrameIdx frame) const override {
     const double time_s = At(frame).depth_time_s;
-    Result<StoredColour> stored = stored_->ReadColour(Index(frame));
-    if (!stored) return Noted(stored.error());
+    Result<StoredColour> stored = Noted(stored_->ReadColour(Index(frame)), colour_was_read_, frame);
+    if (!stored) return stored.error();
     Result<ColourImage> colour = DecodeStored(*std::move(stored), stored_->cameras().colour);
     if (!colour) return colour.error();
     if (reduction_ > 1) *colour = ReduceColour(*colour, reduction_);
@@ -59,8 +63,9 @@ class CaptureFrameSource final : public FrameSource {
   }
 
   [[nodiscard]] Result<IntensityImage> ReadIntensity(FrameIdx frame, int factor) const override {
-    const Result<StoredColour> stored = stored_->ReadColour(Index(frame));
-    if (!stored) return Noted(stored.error());
+    const Result<StoredColour> stored =
+        Noted(stored_->ReadColour(Index(frame)), colour_was_read_, frame);
+    if (!stored) return stored.error();
     const int of_stored = reduction_ * factor;
     if (stored->codec == ImageCodec::kOther) return IntensityOf(stored->pixels, of_stored);
     const PinholeCamera& camera = stored_->cameras().colour;
@@ -72,6 +77,8 @@ class CaptureFrameSource final : public FrameSource {
   }
 
  private:
+  using WasRead = std::vector<std::atomic<bool>>;
+
   [[nodiscard]] static std::size_t Index(FrameIdx frame) {
     return static_cast<std::size_t>(frame.value);
   }
@@ -80,7 +87,19 @@ class CaptureFrameSource final : public FrameSource {
     return stored_->frames()[Index(frame)];
   }
 
-  [[nodiscard]] const Error& Noted(const Error& error) const {
+  // What was read once and cannot be any more is no bad frame: the capture changed or went away.
+  template <typename T>
+  [[nodiscard]] Result<T> Noted(Result<T> read, WasRead& was_read, FrameIdx frame) const {
+    std::atomic<bool>& before = was_read[Index(frame)];
+    if (read) {
+      before.store(true, std::memory_order_relaxed);
+      return read;
+    }
+    Error error = read.error();
+    if (before.load(std::memory_order_relaxed) && error.code == ErrorCode::kInvalidInput)
+      error = Failed(error.message +
+                     "; it was read before: see to it that the capture stays as it "
+                     "is, and run again");
     if (faults_) faults_->Note(error);
     return error;
   }
@@ -90,6 +109,8 @@ class CaptureFrameSource final : public FrameSource {
   PinholeCamera camera_;
   int reduction_;
   MetresOfRaw metres_;
+  mutable WasRead colour_was_read_;
+  mutable WasRead depth_was_read_;
 };
 
 }  // namespace

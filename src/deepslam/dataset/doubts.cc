@@ -22,6 +22,9 @@ constexpr double kWidestDeg = 130;    // Azure Kinect's wide depth camera sees 1
 constexpr double kShortestIntervalS = 0.0005;
 constexpr double kLongestIntervalS = 5;  // milliseconds taken for seconds are 33 apart
 constexpr std::size_t kDepthStep = 17;   // every which pixel is looked at
+// Between the brightest and the darkest pixel, of 255: a picture of one tone has so much after
+// JPEG, a blank wall more, as light falls off across it.
+constexpr int kLeastContrast = 12;
 
 double ViewDeg(int side_px, double focal_px) {
   return 2 * kDegPerRad * std::atan(0.5 * side_px / focal_px);
@@ -51,6 +54,11 @@ std::optional<double> MedianInterval(std::span<const double> times_s) {
   }
   if (intervals_s.size() < 2) return std::nullopt;
   return Median(intervals_s);
+}
+
+bool IsOneTone(const IntensityImage& picture) {
+  const auto [darkest, brightest] = std::ranges::minmax(picture);
+  return brightest - darkest < kLeastContrast;
 }
 
 }  // namespace
@@ -95,6 +103,17 @@ std::vector<std::string> TimeDoubts(std::span<const double> times_s) {
       "frames are {:.3g} s apart (median): times have to be in seconds{}; convert the lists",
       *interval_s,
       unit.empty() ? std::string() : fmt::format(", these look like {}", unit))};
+}
+
+std::vector<std::string> ColourDoubts(std::span<const IntensityImage> pictures) {
+  const auto num_flat = std::ranges::count_if(pictures, IsOneTone);
+  if (2 * num_flat <= std::ssize(pictures)) return {};
+  return {
+      fmt::format("{} of {} pictures looked at are of one tone: nothing can be recognised in them; "
+                  "are they the "
+                  "capture's colour images?",
+                  num_flat,
+                  pictures.size())};
 }
 
 std::vector<std::string> DepthDoubts(std::span<const DepthImage> depths_m) {

@@ -28,6 +28,9 @@ inline constexpr double kFarthestMedianM = 6;   // of halls
 // Times of the frames in their order, s.
 [[nodiscard]] std::vector<std::string> TimeDoubts(std::span<const double> times_s);
 
+// Pictures of some frames, none empty; nothing is recognised in those of one tone.
+[[nodiscard]] std::vector<std::string> ColourDoubts(std::span<const IntensityImage> pictures);
+
 // Depth of some frames, m, invalid 0.
 [[nodiscard]] std::vector<std::string> DepthDoubts(std::span<const DepthImage> depths_m);
 

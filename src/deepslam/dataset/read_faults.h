@@ -1,6 +1,6 @@
-// Whether reading frames met a fault of the machine (kFailed, read_bytes.h). A frame that the disk
-// did not give is no bad frame of the capture: what was made without it must not pass for the
-// capture's.
+// Whether reading frames met a fault of the machine (kFailed, read_bytes.h), or files that were read
+// before and are gone. A frame that the disk did not give is no bad frame of the capture: what was
+// made without it must not pass for the capture's.
 #pragma once
 
 #include <mutex>

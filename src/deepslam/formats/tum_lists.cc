@@ -126,12 +126,26 @@ void NumberClockSegments(std::vector<T>& entries,
 
 // Ascending in time and each time once, within each segment of the clock; says in `warnings` what
 // that changed.
+// Lists of images whose lines mostly share their times have another column there.
+Status CheckTimesDiffer(std::size_t num_lines,
+                        std::size_t num_times,
+                        const std::filesystem::path& list) {
+  if (2 * num_times >= num_lines) return Ok();
+  return InvalidInput(
+      fmt::format("{}: {} different lines have {} times; the first column of each line has to be "
+                  "the time of that image, in seconds",
+                  list.string(),
+                  num_lines,
+                  num_times));
+}
+
 template <typename T>
-void SortByTime(std::vector<T>& entries,
-                const std::filesystem::path& list,
-                std::vector<std::string>& warnings) {
+Status SortByTime(std::vector<T>& entries,
+                  const std::filesystem::path& list,
+                  std::vector<std::string>& warnings) {
   const std::size_t count = entries.size();
   DropRepeatedLines(entries);
+  const std::size_t num_lines = entries.size();
   NumberClockSegments(entries, list, warnings);
   const auto place = [](const T& entry) { return std::pair(ClockSegmentOf(entry), TimeOf(entry)); };
   if (!std::ranges::is_sorted(entries, {}, place)) {
@@ -145,6 +159,7 @@ void SortByTime(std::vector<T>& entries,
     warnings.push_back(fmt::format(
         "{}: {} lines repeat a time and were left out", list.string(), count - entries.size()));
   }
+  return CheckTimesDiffer(num_lines, entries.size(), list);
 }
 
 Error EmptyList(const std::filesystem::path& list) {
@@ -251,7 +266,7 @@ Result<std::vector<dataset::TimedFile>> ParseFileList(const std::string& text,
   auto entries = ParseLines<dataset::TimedFile>(text, list, 4, parse, warnings);
   if (!entries) return entries;
   if (entries->empty()) return EmptyList(list);
-  SortByTime(*entries, list, warnings);
+  if (Status status = SortByTime(*entries, list, warnings); !status.ok()) return status.error();
   return entries;
 }
 
@@ -262,7 +277,7 @@ Result<std::vector<dataset::ImagePair>> ParseAssociations(const std::string& tex
   auto pairs = ParseLines<dataset::ImagePair>(text, list, 8, parse, warnings);
   if (!pairs) return pairs;
   if (pairs->empty()) return EmptyList(list);
-  SortByTime(*pairs, list, warnings);
+  if (Status status = SortByTime(*pairs, list, warnings); !status.ok()) return status.error();
   return pairs;
 }
 
@@ -286,7 +301,7 @@ Result<std::vector<TimedPose>> ParsePoses(const std::string& text,
         first_unusable,
         num_unusable));
   }
-  SortByTime(*poses, list, warnings);
+  if (Status status = SortByTime(*poses, list, warnings); !status.ok()) return status.error();
   return poses;
 }
 

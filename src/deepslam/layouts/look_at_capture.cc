@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -49,6 +50,15 @@ DepthImage Thinned(const DepthImage& depth_m, int factor) {
       thin(u, v) = depth_m(factor * u + factor / 2, factor * v + factor / 2);
   }
   return thin;
+}
+
+// Of the frames themselves, those that can be read.
+std::vector<IntensityImage> PicturesOf(std::span<const dataset::PictureSample> samples) {
+  std::vector<IntensityImage> pictures;
+  for (const dataset::PictureSample& sample : samples) {
+    if (!sample.pictures[0].empty()) pictures.push_back(sample.pictures[0]);
+  }
+  return pictures;
 }
 
 dataset::PictureSample SampleAt(const FrameSource& frames, int idx, int factor) {
@@ -121,7 +131,10 @@ std::vector<std::string> DoubtsOf(const dataset::Capture& capture) {
     add(dataset::TimeDoubts(times_s));
   }
   add(dataset::DepthDoubts(DepthsAcross(*capture.frames)));
-  add(dataset::AlignmentDoubts(SamplesAcross(*capture.frames, capture.stored->colour_in_order())));
+  const std::vector<dataset::PictureSample> samples =
+      SamplesAcross(*capture.frames, capture.stored->colour_in_order());
+  add(dataset::ColourDoubts(PicturesOf(samples)));
+  add(dataset::AlignmentDoubts(samples));
   return doubts;
 }
 

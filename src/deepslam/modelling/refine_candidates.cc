@@ -140,7 +140,7 @@ const CandidateRegistration* MeasuredOutline(const CandidateSet& set,
                                              const ObjectOptions& options) {
   if (!HasSupportPlane(set, options)) return nullptr;
   for (std::size_t i = 0; i < set.candidates.size(); ++i) {
-    if (set.candidates[i].source == CandidateSource::kFused && set.registrations[i].ok)
+    if (TraitsOf(set.candidates[i].source).is_partial && set.registrations[i].ok)
       return &set.registrations[i];
   }
   return nullptr;

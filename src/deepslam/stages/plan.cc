@@ -1,10 +1,14 @@
 #include "deepslam/stages/plan.h"
 
 #include <array>
+#include <filesystem>
 #include <iterator>
 #include <optional>
 #include <sstream>
 #include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
 
 #include "deepslam/class_table/class_table_yaml.h"
 #include "deepslam/stages/external_inputs.h"
@@ -96,6 +100,14 @@ std::vector<std::string> Words(std::string_view text) {
   return {std::istream_iterator<std::string>(words), {}};
 }
 
+// A folder that is moved away takes frames along that this run has not read yet.
+Status IsStillThere(const std::filesystem::path& capture) {
+  std::error_code error;
+  if (std::filesystem::exists(capture, error)) return Ok();
+  return Failed(fmt::format("{}: is gone since the run began; bring it back and run again",
+                            capture.string()));
+}
+
 // What a stage made while the machine did not give it all frames is nobody's result: it would pass
 // for the capture's in every later run.
 Result<StageSummary> RunOn(StageContext& context, const RunInputs& inputs, StageFunction function) {
@@ -103,6 +115,7 @@ Result<StageSummary> RunOn(StageContext& context, const RunInputs& inputs, Stage
   const bool stopped = !summary.ok() && summary.error().code == ErrorCode::kInterrupted;
   if (stopped || !inputs.capture || !inputs.capture->faults) return summary;
   if (const std::optional<Error> fault = inputs.capture->faults->first()) return *fault;
+  if (Status status = IsStillThere(inputs.capture->path); !status.ok()) return status.error();
   return summary;
 }
 

@@ -201,6 +201,7 @@ Status RemoveAsideFiles(const fs::path& folder) {
 }
 
 Status MakeFolders(const fs::path& folder) {
+  if (folder.empty()) return Ok();  // the parent of a name alone: where the program runs
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return WriteError(folder, "create folder", error.value());
