@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -58,6 +60,72 @@ TEST(Rle, RefusesHostileCounts) {
   EXPECT_FALSE(DecodeRle("2\x01", 3, 2).ok());
   EXPECT_FALSE(DecodeRle("2O", 3, 2).ok()) << "negative run";
   EXPECT_FALSE(DecodeRle("", 3, 2).ok());
+}
+
+TEST(Rle, RefusesRunsThatDoNotFillTheMask) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  const auto accepts = [](const std::vector<std::int64_t>& runs, int width = 3) {
+    return RleOfRuns(runs, width, 2).ok();
+  };
+  EXPECT_TRUE(accepts({2, 3, 1}));
+  EXPECT_FALSE(accepts({}));
+  EXPECT_FALSE(accepts({2, 3}));
+  EXPECT_FALSE(accepts({2, 3, 2}));
+  EXPECT_FALSE(accepts({2, -3, 7}));
+  EXPECT_FALSE(accepts({kMost, kMost, 8}));
+  EXPECT_FALSE(accepts({-kMost - 1, kMost, 7}));
+  EXPECT_FALSE(accepts({6}, -3));
+}
+
+std::string EntryWithCounts(const std::string& counts) {
+  return R"([{"image_id": 1, "category_id": 62, "bbox": [1, 2, 30, 20],
+              "segmentation": {"size": [48, 64], "counts": )" +
+         counts + "}}]";
+}
+
+// One mask in COCO's two notations.
+TEST(CocoFile, ReadsRunsAsListsToo) {
+  Mask mask(64, 48);
+  for (int u = 10; u < 20; ++u) {
+    for (int v = 5; v < 30; ++v) mask(u, v) = 1;
+  }
+  std::string runs = fmt::format("[{}", 10 * 48 + 5);
+  for (int u = 10; u < 19; ++u) runs += ", 25, 23";
+  runs += fmt::format(", 25, {}]", 44 * 48 + 18);
+  for (const std::string& counts : {runs, "\"" + EncodeRle(mask) + "\""}) {
+    const Result<CocoDetections> read = Read(EntryWithCounts(counts));
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_THAT(read->warnings, testing::IsEmpty());
+    ASSERT_EQ(read->detections.size(), 1U);
+    EXPECT_EQ(read->detections[0].mask.Unpacked(), mask) << counts;
+  }
+  const Result<CocoDetections> whole = Read(EntryWithCounts("[0, 3072]"));
+  ASSERT_TRUE(whole.ok()) << whole.error().message;
+  EXPECT_EQ(whole->detections[0].mask.Unpacked(), Mask(64, 48, 1));
+}
+
+TEST(CocoFile, HostileRunsLeaveTheBoxInForce) {
+  for (const char* counts : {"[]",
+                             "[3071]",
+                             "[3072, 1]",
+                             "[0, 3073]",
+                             "[-1, 3073]",
+                             "[10, -5, 3067]",
+                             "[0.5, 3071.5]",
+                             "[1e300]",
+                             "[9223372036854775807, 9223372036854775807, 3074]",
+                             "[\"0\", 3072]",
+                             "[null, 3072]",
+                             "[[0], 3072]",
+                             "{}",
+                             "null",
+                             "3072"}) {
+    const Result<CocoDetections> read = Read(EntryWithCounts(counts));
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_EQ(read->detections.size(), 1U) << counts;
+    EXPECT_TRUE(read->detections[0].mask.empty()) << counts;
+    EXPECT_THAT(read->warnings, testing::ElementsAre(HasSubstr("[0].segmentation"))) << counts;
+  }
 }
 
 // What entries mean may stand before or behind them.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -77,6 +78,23 @@ Box2 ToFrame(const Box2& box, const PictureSize& frame, const PictureSize& size)
           ToFrame(box.v_min, frame.height, size.height),
           ToFrame(box.u_max, frame.width, size.width),
           ToFrame(box.v_max, frame.height, size.height)};
+}
+
+// The compressed text of `counts`, which COCO writes as a text or as a list of runs.
+Result<std::string> RleOf(const JsonNode& counts, const PictureSize& size) {
+  if (counts.is_string()) return counts.String();
+  if (!counts.is_array())
+    return InvalidInput("has no counts: neither COCO's text of run lengths nor a list of them");
+  std::vector<std::int64_t> runs;
+  for (const JsonNode& item : counts.Items()) {
+    const double run = item.is_number() ? item.Number() : -1;
+    if (!(run >= 0 && run <= kMaxMaskPixels && run == std::floor(run))) {
+      return InvalidInput(fmt::format(
+          "mask's run {} is no number of pixels, 0 to {}", runs.size(), kMaxMaskPixels));
+    }
+    runs.push_back(static_cast<std::int64_t>(run));
+  }
+  return RleOfRuns(runs, size.width, size.height);
 }
 
 class CocoReader {
@@ -267,18 +285,19 @@ class CocoReader {
                 const PictureSize& size,
                 Detection& detection) {
     if (!node.is_object()) return;  // polygons: the box has to do
-    const JsonNode counts = node.Maybe("counts");
-    if (!node.Maybe("size").is_array() || !counts.is_string())
-      return Warn(node, "is no run-length mask", found_.num_unusable);
+    if (!node.Maybe("size").is_array())
+      return Warn(
+          node, "is no run-length mask: it has no size [height, width]", found_.num_unusable);
     if (SizeOfMask(node) != size) {
       return Warn(node,
                   fmt::format("is not of the image's size {} x {}", size.width, size.height),
                   found_.num_unusable);
     }
+    const Result<std::string> rle = RleOf(node.Maybe("counts"), size);
+    if (!rle.ok()) return Warn(node, rle.error().message, found_.num_unusable);
     Result<Mask> mask =
-        size == frame
-            ? DecodeRle(counts.String(), size.width, size.height)
-            : DecodeRleResized(counts.String(), size.width, size.height, frame.width, frame.height);
+        size == frame ? DecodeRle(*rle, size.width, size.height)
+                      : DecodeRleResized(*rle, size.width, size.height, frame.width, frame.height);
     if (!mask.ok()) return Warn(node, mask.error().message, found_.num_unusable);
     detection.mask = *mask;
   }

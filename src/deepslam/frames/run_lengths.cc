@@ -34,12 +34,26 @@ std::string EncodeRuns(std::span<const std::int64_t> runs) {
   return text;
 }
 
+Status CheckSize(int width, int height) {
+  if (width > 0 && height > 0 && width <= kMaxMaskPixels / height) return Ok();
+  return InvalidInput(fmt::format("mask size {} x {} is out of range", width, height));
+}
+
+// Whether a run of `value` pixels fits behind `filled` ones.
+Status CheckRun(std::size_t index, std::int64_t value, std::int64_t filled, int width, int height) {
+  if (value >= 0 && value <= std::int64_t{width} * height - filled) return Ok();
+  return InvalidInput(
+      fmt::format("mask's run {} of {} pixels does not fit {} x {}", index, value, width, height));
+}
+
+Status CheckFilled(std::int64_t filled, int width, int height) {
+  if (filled == std::int64_t{width} * height) return Ok();
+  return InvalidInput(fmt::format("mask's runs cover {} pixels of {} x {}", filled, width, height));
+}
+
 // The runs, which fill the mask exactly; nothing as large as the mask is needed to know that.
 Result<std::vector<std::int64_t>> DecodeRuns(std::string_view counts, int width, int height) {
-  if (width <= 0 || height <= 0 || width > kMaxMaskPixels / height) {
-    return InvalidInput(fmt::format("mask size {} x {} is out of range", width, height));
-  }
-  const std::int64_t total = static_cast<std::int64_t>(width) * height;
+  if (Status status = CheckSize(width, height); !status.ok()) return status.error();
   std::vector<std::int64_t> runs;
   std::int64_t filled = 0;
   std::size_t at = 0;
@@ -60,17 +74,12 @@ Result<std::vector<std::int64_t>> DecodeRuns(std::string_view counts, int width,
     }
     const std::size_t index = runs.size();
     if (index > 2) value += runs[index - 2];
-    if (value < 0 || value > total - filled) {
-      return InvalidInput(fmt::format(
-          "mask's run {} of {} pixels does not fit {} x {}", index, value, width, height));
-    }
+    if (Status status = CheckRun(index, value, filled, width, height); !status.ok())
+      return status.error();
     filled += value;
     runs.push_back(value);
   }
-  if (filled != total) {
-    return InvalidInput(
-        fmt::format("mask's runs cover {} pixels of {} x {}", filled, width, height));
-  }
+  if (Status status = CheckFilled(filled, width, height); !status.ok()) return status.error();
   return runs;
 }
 
@@ -152,6 +161,18 @@ std::string EncodeRle(const Mask& mask) {
   if (!mask.empty()) runs = ChangesByColumns(mask);
   runs.push_back(static_cast<std::int64_t>(mask.size()));
   std::adjacent_difference(runs.begin(), runs.end(), runs.begin());
+  return EncodeRuns(runs);
+}
+
+Result<std::string> RleOfRuns(std::span<const std::int64_t> runs, int width, int height) {
+  if (Status status = CheckSize(width, height); !status.ok()) return status.error();
+  std::int64_t filled = 0;
+  for (std::size_t index = 0; index < runs.size(); ++index) {
+    if (Status status = CheckRun(index, runs[index], filled, width, height); !status.ok())
+      return status.error();
+    filled += runs[index];
+  }
+  if (Status status = CheckFilled(filled, width, height); !status.ok()) return status.error();
   return EncodeRuns(runs);
 }
 

@@ -2,6 +2,8 @@
 // zeros first.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,6 +17,12 @@ inline constexpr int kMaxMaskPixels = 1 << 26;
 
 // The one text of the mask: no run but the first is empty.
 [[nodiscard]] std::string EncodeRle(const Mask& mask);
+
+// The text of runs given as numbers (COCO's uncompressed `counts`): not negative, of width x height
+// pixels in all. Refuses others, and what DecodeRle refuses.
+[[nodiscard]] Result<std::string> RleOfRuns(std::span<const std::int64_t> runs,
+                                            int width,
+                                            int height);
 
 // Refuses counts that do not fill width x height exactly, characters outside the code, sizes beyond
 // kMaxMaskPixels. The message does not name the file: the caller does.
