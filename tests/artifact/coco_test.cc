@@ -152,7 +152,7 @@ TEST(CocoFile, WithoutCategoriesOfItsOwnHasThoseOfCoco) {
   EXPECT_EQ(Read("{" + entries + "}")->detections.size(), 1u);
   const Result<CocoDetections> none = Read("{" + entries + R"(, "categories": []})");
   ASSERT_TRUE(none.ok());
-  EXPECT_EQ(none->num_unknown_class, 1);
+  EXPECT_EQ(none->losses.Of(CocoFault::kNamelessCategory).num_entries, 1);
 }
 
 TEST(CocoFile, ManyEntriesComeInTheirOrderWithTheirPlaces) {
@@ -219,12 +219,53 @@ TEST(CocoFile, LeavesBadEntriesOutAndCountsThem) {
     42,
     {"image_id": 0, "category_id": 62, "bbox": [1, 2, 30, 20], "segmentation": {"size": [1000000, 1000000], "counts": "6"}}])");
   ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_EQ(read->num_unknown_image, 1);
-  EXPECT_EQ(read->num_unknown_class, 1);
-  EXPECT_EQ(read->num_unusable, 8);
+  const auto num_of = [&](CocoFault fault) { return read->losses.Of(fault).num_entries; };
+  EXPECT_EQ(read->losses.num_entries, 10);
+  EXPECT_EQ(read->losses.num_left_out(), 9);
+  EXPECT_EQ(num_of(CocoFault::kUnknownImage), 1);
+  EXPECT_EQ(num_of(CocoFault::kNamelessCategory), 1);
+  EXPECT_EQ(num_of(CocoFault::kUnusableBox), 5);
+  EXPECT_EQ(num_of(CocoFault::kUnusableScore), 1);
+  EXPECT_EQ(num_of(CocoFault::kNoObject), 1);
+  EXPECT_EQ(read->losses.num_unusable_masks, 1);
   ASSERT_EQ(read->detections.size(), 1U) << "a mask of another size leaves the box in force";
   EXPECT_TRUE(read->detections[0].mask.empty());
   EXPECT_THAT(read->warnings[0], HasSubstr("[0]"));
+}
+
+// What is told is the fault that the file has, and no other's remedy.
+TEST(CocoFile, SaysWhyNoneFits) {
+  const auto why = [](const std::string& fields) {
+    const Result<CocoDetections> read = Read("[{" + fields + "}]");
+    EXPECT_TRUE(read.ok() && read->detections.empty()) << fields;
+    return read.ok() ? WhyNoneFits(read->losses) : std::string();
+  };
+  const std::string image = R"("image_id": 0, )";
+  const std::string box = R"("bbox": [1, 2, 30, 20], )";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {box + R"("category_id": 62, "image_id": 9)", "image_id must be"},
+      {image + box + R"("category_id": 2)", "category_id 2, which has no name"},
+      {image + box + R"("score": 1)", "neither a category_name nor a category_id"},
+      {image + box + R"("category_name": "zz")", "\"zz\""},
+      {image + box + R"("category_name": "zz")", "`labels` of a class in classes.yaml"},
+      {image + R"("category_id": 62)", "bbox must be"},
+      {image + box + R"("category_id": 62, "score": 9)", "score must lie in [0, 1]"}};
+  for (const auto& [fields, remedy] : cases) {
+    const std::string told = why(fields);
+    EXPECT_THAT(told, HasSubstr("1 of 1)"));
+    EXPECT_THAT(told, HasSubstr(remedy));
+    EXPECT_EQ(told.find("image_id must be") == std::string::npos, remedy != "image_id must be")
+        << told;
+  }
+}
+
+TEST(CocoFile, NoEntriesAreAResult) {
+  for (const char* text : {"[]", R"({"annotations": []})"}) {
+    const Result<CocoDetections> read = Read(text);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_EQ(read->losses.num_entries, 0);
+    EXPECT_THAT(read->warnings, testing::IsEmpty());
+  }
 }
 
 // Images of 64 x 48 in a capture whose colour has the size given.

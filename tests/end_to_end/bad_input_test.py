@@ -332,10 +332,15 @@ class Inputs(BadInput):
         # Bytes at random may begin with an end of line, and then the fault is in line 2.
         for data, pattern in [(b"\xb7" + os.urandom(63), "not valid JSON.*line 1, column"), (b"", "not valid JSON"),
                               (b"null", "neither a COCO results list"), (b"[" * 100000, "nested deeper than 64"),
-                              (b"[]", "no entry fits the capture"), (b"[1, 2]", "no entry fits.*2 unusable")]:
+                              (b"[1, 2]", "no entry fits.*is no object .so 2 of 2"),
+                              (json.dumps([{**good, "category_name": "dragon"}] * 12).encode(),
+                               "no entry fits.*\"dragon\".*12 of 12.*classes.yaml"),
+                              (json.dumps([{**good, "score": 9}]).encode(), "no entry fits.*score must lie in")]:
             with self.subTest(data[:9]):
                 file.write_bytes(data)
                 self.check(detect(), 3, r"coco\.json: .*" + pattern)
+        file.write_text("[]")
+        self.check(detect(), 0)
         garbage = [{"image_id": 0, "bbox": [0, 0, "x", 3], "category_name": "chair"}, {**good, "image_id": 99},
                    {**good, "category_name": "dragon"}, {**good, "bbox": [1e300, 10, 50, 50]}, {**good, "score": 7},
                    {**good, "bbox": [10, 10, -50, 50]}, {**good, "segmentation": {"size": [3, 3], "counts": "zz"}}]

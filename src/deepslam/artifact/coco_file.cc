@@ -143,10 +143,11 @@ class CocoReader {
   Status ReadEntries(TextSource text, std::string_view name) {
     const auto read = [&](std::span<const JsonNode> entries) {
       for (const JsonNode& entry : entries) {
+        ++found_.losses.num_entries;
         if (entry.is_object()) {
           ReadEntry(entry);
         } else {
-          Warn(entry, "is no object", found_.num_unusable);
+          LeaveOut(entry, CocoFault::kNoObject, "is no object");
         }
       }
     };
@@ -209,31 +210,49 @@ class CocoReader {
     return it == by_frame_.end() ? nullptr : it->second;
   }
 
-  std::string Label(const JsonNode& entry) const {
+  // Nothing for a category that has no name.
+  std::optional<std::string> Label(const JsonNode& entry) const {
     if (const JsonNode label = entry.Maybe("category_name"); label.is_string())
       return label.String();
     const auto it = labels_.find(IdText(entry.Maybe("category_id")));
-    return it == labels_.end() ? std::string() : it->second;
+    return it == labels_.end() ? std::nullopt : std::optional(it->second);
+  }
+
+  // Null where the entry is left out.
+  const ObjectClass* FindClass(const JsonNode& entry) {
+    const std::optional<std::string> label = Label(entry);
+    if (!label) {
+      const std::string id = IdText(entry.Maybe("category_id"));
+      LeaveOut(entry,
+               CocoFault::kNamelessCategory,
+               id.empty() ? "has neither a category_name nor a category_id"
+                          : fmt::format("has category_id {}, which has no name", id));
+      return nullptr;
+    }
+    const ObjectClass* object_class = classes_.FindByLabel(*label);
+    if (object_class == nullptr) object_class = classes_.Find(*label);
+    if (object_class == nullptr) {
+      LeaveOut(entry,
+               CocoFault::kUnknownClass,
+               fmt::format("has class \"{}\", which the class table does not know", *label));
+    }
+    return object_class;
   }
 
   void ReadEntry(const JsonNode& entry) {
     const DetectedImage* image = FindImage(entry.Maybe("image_id"));
     if (image == nullptr)
-      return Warn(entry, "belongs to no frame of the capture", found_.num_unknown_image);
-    const std::string label = Label(entry);
-    const ObjectClass* object_class = classes_.FindByLabel(label);
-    if (object_class == nullptr) object_class = classes_.Find(label);
-    if (object_class == nullptr) {
-      return Warn(entry,
-                  fmt::format("has class \"{}\", which the class table does not know", label),
-                  found_.num_unknown_class);
-    }
+      return LeaveOut(entry, CocoFault::kUnknownImage, "belongs to no frame of the capture");
+    const ObjectClass* object_class = FindClass(entry);
+    if (object_class == nullptr) return;
     const PictureSize size = SizeOf(entry, *image);
     CheckScale(size, *image);
     const std::optional<Box2> box = ReadBox(entry.Maybe("bbox"), SizeOfFrame(*image), size);
-    if (!box)
-      return Warn(
-          entry, "has no usable bbox [x, y, width, height] inside the image", found_.num_unusable);
+    if (!box) {
+      return LeaveOut(entry,
+                      CocoFault::kUnusableBox,
+                      "has no usable bbox [x, y, width, height] inside the image");
+    }
     Detection detection;
     detection.frame = image->frame;
     detection.class_name = object_class->name;
@@ -242,7 +261,7 @@ class CocoReader {
     const JsonNode score = entry.Maybe("score");
     detection.score = score.is_number() ? score.Number() : 1.0;
     if (!(detection.score >= 0 && detection.score <= 1)) {
-      return Warn(entry, "has a score outside [0, 1]", found_.num_unusable);
+      return LeaveOut(entry, CocoFault::kUnusableScore, "has a score outside [0, 1]");
     }
     ReadMask(entry.Maybe("segmentation"), SizeOfFrame(*image), size, detection);
     found_.detections.push_back(std::move(detection));
@@ -286,24 +305,32 @@ class CocoReader {
                 Detection& detection) {
     if (!node.is_object()) return;  // polygons: the box has to do
     if (!node.Maybe("size").is_array())
-      return Warn(
-          node, "is no run-length mask: it has no size [height, width]", found_.num_unusable);
+      return LeaveMaskOut(node, "is no run-length mask: it has no size [height, width]");
     if (SizeOfMask(node) != size) {
-      return Warn(node,
-                  fmt::format("is not of the image's size {} x {}", size.width, size.height),
-                  found_.num_unusable);
+      return LeaveMaskOut(
+          node, fmt::format("is not of the image's size {} x {}", size.width, size.height));
     }
     const Result<std::string> rle = RleOf(node.Maybe("counts"), size);
-    if (!rle.ok()) return Warn(node, rle.error().message, found_.num_unusable);
+    if (!rle.ok()) return LeaveMaskOut(node, rle.error().message);
     Result<Mask> mask =
         size == frame ? DecodeRle(*rle, size.width, size.height)
                       : DecodeRleResized(*rle, size.width, size.height, frame.width, frame.height);
-    if (!mask.ok()) return Warn(node, mask.error().message, found_.num_unusable);
+    if (!mask.ok()) return LeaveMaskOut(node, mask.error().message);
     detection.mask = *mask;
   }
 
-  void Warn(const JsonNode& node, std::string_view what, int& counter) {
-    ++counter;
+  void LeaveOut(const JsonNode& entry, CocoFault fault, std::string_view what) {
+    CocoLosses::Kind& kind = found_.losses.Of(fault);
+    if (kind.num_entries++ == 0) kind.first = fmt::format("{} {}", entry.path(), what);
+    Warn(entry, what);
+  }
+
+  void LeaveMaskOut(const JsonNode& node, std::string_view what) {
+    ++found_.losses.num_unusable_masks;
+    Warn(node, what);
+  }
+
+  void Warn(const JsonNode& node, std::string_view what) {
     if (found_.warnings.size() < kMaxWarnings)
       found_.warnings.push_back(fmt::format("{} {}", node.path(), what));
   }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/artifact/coco_losses.h"
 #include "deepslam/artifact/detections_json.h"
 #include "deepslam/core/result.h"
 #include "deepslam/core/text_pieces.h"
@@ -19,11 +20,9 @@ namespace deepslam::artifact {
 struct CocoDetections {
   // Ascending frames, source kFile, ids invalid (the caller numbers them), boxes and masks of the
   // frame's size, boxes clipped to it. Classes are the table's; entries with other labels, of no
-  // known image, or empty after clipping are left out and counted.
+  // known image, or empty after clipping are left out and counted. None is a result, too.
   std::vector<Detection> detections;
-  int num_unknown_class = 0;
-  int num_unknown_image = 0;
-  int num_unusable = 0;  // score or box out of range, mask of another size than its image
+  CocoLosses losses;
   std::vector<std::string> warnings;  // the first few of each, with their place
 };
 

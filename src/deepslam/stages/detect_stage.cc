@@ -63,14 +63,11 @@ Result<std::vector<Detection>> ReadFileDetections(const RunInputs& inputs,
   if (!coco.ok()) return coco.error();
   for (const std::string& warning : coco->warnings)
     progress.Warn(fmt::format("{}: {}", options.file, warning));
-  if (!coco->detections.empty()) return std::move(coco->detections);
-  return InvalidInput(
-      fmt::format("{}: no entry fits the capture ({} of unknown images, {} of unknown classes, {} "
-                  "unusable); image_id must be a frame index or name a colour file",
-                  options.file,
-                  coco->num_unknown_image,
-                  coco->num_unknown_class,
-                  coco->num_unusable));
+  if (coco->detections.empty() && coco->losses.num_entries > 0) {
+    return InvalidInput(fmt::format(
+        "{}: no entry fits the capture: {}", options.file, artifact::WhyNoneFits(coco->losses)));
+  }
+  return std::move(coco->detections);
 }
 
 // `which`: as the option detect.frames.
