@@ -259,6 +259,46 @@ TEST(CocoFile, SaysWhyNoneFits) {
   }
 }
 
+TEST(CocoFile, TellsHowManyFaultsItDoesNotList) {
+  std::string text = "[7";
+  for (int k = 1; k < 164; ++k) text += ", 7";
+  const Result<CocoDetections> read = Read(text + "]");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  ASSERT_GT(read->warnings.size(), 1U);
+  EXPECT_THAT(read->warnings.back(),
+              HasSubstr(fmt::format("and {} more", 164 - (read->warnings.size() - 1))));
+  EXPECT_THAT(
+      LossesAbove(0, read->losses),
+      testing::ElementsAre(HasSubstr("164 of 164 entries are left out (164 are no objects")));
+}
+
+// Of `num` entries with a mask each, so many that are left out and so many whose mask is unusable.
+CocoLosses LossesOf(int num, int num_left_out, int num_unusable_masks) {
+  std::string text = "[";
+  for (int k = 0; k < num; ++k) {
+    text += fmt::format(
+        R"({}{{"image_id": 1, "category_id": 62, "bbox": [1, 2, 30, 20], "score": {},
+               "segmentation": {{"size": [48, 64], "counts": {}}}}})",
+        k == 0 ? "" : ",",
+        k < num_left_out ? 9 : 1,
+        k < num_left_out + num_unusable_masks ? "[3072]" : "[0, 3072]");
+  }
+  const Result<CocoDetections> read = Read(text + "]");
+  EXPECT_TRUE(read.ok()) << read.error().message;
+  return read.ok() ? read->losses : CocoLosses();
+}
+
+TEST(CocoLosses, AreToldAboveAShare) {
+  EXPECT_THAT(LossesAbove(0, LossesOf(4, 0, 0)), testing::IsEmpty());
+  EXPECT_THAT(LossesAbove(0, LossesOf(0, 0, 0)), testing::IsEmpty());
+  EXPECT_THAT(LossesAbove(0, LossesOf(6, 1, 2)),
+              testing::ElementsAre(HasSubstr("1 of 6 entries"), HasSubstr("2 of 5 masks")));
+  EXPECT_THAT(LossesAbove(0.5, LossesOf(4, 2, 1)), testing::IsEmpty()) << "half is not more";
+  EXPECT_THAT(LossesAbove(0.5, LossesOf(4, 3, 0)),
+              testing::ElementsAre(HasSubstr("3 have a score outside")));
+  EXPECT_THAT(LossesAbove(0.5, LossesOf(6, 3, 2)), testing::ElementsAre(HasSubstr("2 of 3 masks")));
+}
+
 TEST(CocoFile, NoEntriesAreAResult) {
   for (const char* text : {"[]", R"({"annotations": []})"}) {
     const Result<CocoDetections> read = Read(text);

@@ -102,6 +102,10 @@ std::vector<CodecCase> Cases() {
            return encode(again, "file");
          })});
   };
+  add("doubts",
+      std::vector<std::string>{"few fit", "\"half\" of them"},
+      EncodeDoubts,
+      DecodeDoubts);
   add("ground", SampleGround(), EncodeGround, DecodeGround);
   add("detections", SampleDetections(), EncodeDetections, DecodeDetections);
   add("tracks", SampleAssociation(), EncodeAssociation, DecodeAssociation);

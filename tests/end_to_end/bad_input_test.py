@@ -351,6 +351,23 @@ class Inputs(BadInput):
         found = json.loads((self.workspace / "detect" / "detections.json").read_text())
         self.assertIn([10, 10, 50, 50], [row["bbox"] for row in found["annotations"]])
 
+    def test_detections_that_hardly_fit_make_the_map_doubtful(self):
+        file = self.dir / "coco.json"
+        for bad_of_four, doubted in ((1, False), (3, True)):
+            with self.subTest(bad_of_four):
+                rows = [{**row, "score": 9 if n % 4 < bad_of_four else 0.9}
+                        for n, row in enumerate(json.loads(BOXES.read_text()))]
+                file.write_text(json.dumps(rows))
+                num_bad = sum(row["score"] == 9 for row in rows)
+                told = f"{num_bad} of {len(rows)} entries are left out"
+                self.check(run(ROOM, self.workspace, "--set", "detect.source=file", "--set", f"detect.file={file}"), 0,
+                           rf"coco\.json: {told}")
+                verdict, reasons, _ = self.verdict()
+                self.assertEqual(told in reasons, doubted, reasons)
+                if doubted:
+                    self.assertNotEqual(verdict, "good")
+                    self.assertIn(told, (self.workspace / "report" / "index.html").read_text())
+
     def test_configuration(self):
         for setting, pattern in [
                 ("track.keyframe_distnace_m=1", "unknown option.*did you mean track.keyframe_distance_m"),

@@ -53,6 +53,7 @@ void PutArtifacts(Corpus& corpus) {
   const auto json = [&](const char* name, const Result<std::string>& text) {
     corpus.Put("artifact_json", name, text.value());
   };
+  json("doubts", EncodeDoubts({"few fit"}, "f"));
   json("ground", EncodeGround(SampleGround(), "f"));
   json("detections", EncodeDetections(SampleDetections(), "f"));
   json("tracks", EncodeAssociation(SampleAssociation(), "f"));

@@ -16,7 +16,7 @@
 namespace deepslam::artifact {
 namespace {
 
-constexpr std::size_t kMaxWarnings = 10;  // more are counted only
+constexpr std::size_t kMaxWarnings = 7;   // with the rest as many as a console shows
 constexpr int kMaxCocoSidePx = 1 << 16;   // nobody's images are larger
 constexpr double kMaxScaleSpread = 0.02;  // between width and height
 
@@ -161,7 +161,8 @@ class CocoReader {
   }
 
   CocoDetections Take() {
-    // First, lest it be one too many.
+    if (num_untold_ > 0)
+      found_.warnings.push_back(fmt::format("and {} more faults of such kinds", num_untold_));
     if (!scale_warning_.empty()) found_.warnings.insert(found_.warnings.begin(), scale_warning_);
     std::stable_sort(found_.detections.begin(),
                      found_.detections.end(),
@@ -304,6 +305,7 @@ class CocoReader {
                 const PictureSize& size,
                 Detection& detection) {
     if (!node.is_object()) return;  // polygons: the box has to do
+    ++found_.losses.num_masks;
     if (!node.Maybe("size").is_array())
       return LeaveMaskOut(node, "is no run-length mask: it has no size [height, width]");
     if (SizeOfMask(node) != size) {
@@ -316,6 +318,8 @@ class CocoReader {
         size == frame ? DecodeRle(*rle, size.width, size.height)
                       : DecodeRleResized(*rle, size.width, size.height, frame.width, frame.height);
     if (!mask.ok()) return LeaveMaskOut(node, mask.error().message);
+    if (std::ranges::find(*mask, 1) == mask->end())
+      return LeaveMaskOut(node, "is a mask without a pixel");
     detection.mask = *mask;
   }
 
@@ -331,8 +335,11 @@ class CocoReader {
   }
 
   void Warn(const JsonNode& node, std::string_view what) {
-    if (found_.warnings.size() < kMaxWarnings)
+    if (found_.warnings.size() < kMaxWarnings) {
       found_.warnings.push_back(fmt::format("{} {}", node.path(), what));
+    } else {
+      ++num_untold_;
+    }
   }
 
   const ClassTable& classes_;
@@ -344,6 +351,7 @@ class CocoReader {
   std::map<std::string, PictureSize> stem_sizes_;
   std::map<std::string, std::string> labels_;  // category id -> label
   std::string scale_warning_;
+  int num_untold_ = 0;  // faults
   CocoDetections found_;
 };
 

@@ -23,7 +23,7 @@ struct CocoDetections {
   // known image, or empty after clipping are left out and counted. None is a result, too.
   std::vector<Detection> detections;
   CocoLosses losses;
-  std::vector<std::string> warnings;  // the first few of each, with their place
+  std::vector<std::string> warnings;  // the first few, with their place, and how many more
 };
 
 // px; zero where nothing is known.

@@ -7,7 +7,14 @@
 namespace deepslam::artifact {
 namespace {
 
-// In the order of CocoFault.
+// Both in the order of CocoFault.
+constexpr std::array<std::string_view, kNumCocoFaults> kFaults = {
+    "are no objects",
+    "belong to no frame of the capture",
+    "have a category without a name",
+    "have a class that the class table does not know",
+    "have no usable bbox inside the image",
+    "have a score outside [0, 1]"};
 constexpr std::array<std::string_view, kNumCocoFaults> kRemedies = {
     "an entry is an object with image_id, category_id and bbox",
     "image_id must be a frame index or name a colour file, by itself or by `images`",
@@ -39,6 +46,26 @@ std::string WhyNoneFits(const CocoLosses& losses) {
                        kRemedies[n]);
   }
   return why;
+}
+
+std::vector<std::string> LossesAbove(double share, const CocoLosses& losses) {
+  std::vector<std::string> told;
+  if (losses.num_left_out() > share * losses.num_entries) {
+    std::string faults;
+    for (std::size_t n = 0; n < kNumCocoFaults; ++n) {
+      const int num_entries = losses.left_out[n].num_entries;
+      if (num_entries == 0) continue;
+      faults += fmt::format("{}{} {}", faults.empty() ? "" : ", ", num_entries, kFaults[n]);
+    }
+    told.push_back(fmt::format(
+        "{} of {} entries are left out ({})", losses.num_left_out(), losses.num_entries, faults));
+  }
+  if (losses.num_unusable_masks > share * losses.num_masks) {
+    told.push_back(fmt::format("{} of {} masks cannot be used, and the boxes stand in for them",
+                               losses.num_unusable_masks,
+                               losses.num_masks));
+  }
+  return told;
 }
 
 }  // namespace deepslam::artifact

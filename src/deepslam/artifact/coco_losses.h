@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace deepslam::artifact {
 
@@ -16,7 +17,7 @@ enum class CocoFault {
   kUnusableBox,
   kUnusableScore
 };
-inline constexpr std::size_t kNumCocoFaults = 6;
+inline constexpr std::size_t kNumCocoFaults = 6;  // enumerators of CocoFault
 
 struct CocoLosses {
   struct Kind {
@@ -26,6 +27,7 @@ struct CocoLosses {
 
   int num_entries = 0;  // of the file
   std::array<Kind, kNumCocoFaults> left_out;
+  int num_masks = 0;           // of the entries in use; polygons are none
   int num_unusable_masks = 0;  // their boxes stay in force
 
   [[nodiscard]] Kind& Of(CocoFault fault) { return left_out[static_cast<std::size_t>(fault)]; }
@@ -37,5 +39,8 @@ struct CocoLosses {
 
 // Of a file none of whose entries is in use: for each reason the first, how many, and the remedy.
 [[nodiscard]] std::string WhyNoneFits(const CocoLosses& losses);
+
+// What is lost, a sentence on entries and one on masks, each where more than `share` of them are.
+[[nodiscard]] std::vector<std::string> LossesAbove(double share, const CocoLosses& losses);
 
 }  // namespace deepslam::artifact

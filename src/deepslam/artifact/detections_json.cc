@@ -9,6 +9,7 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr JsonFormat kFormat{"deepslam/detections", 2};
+constexpr JsonFormat kDoubtsFormat{"deepslam/doubts", 1};
 constexpr Range kImageSide{1, 1 << 15};
 
 // COCO's numbers of the classes, by their names.
@@ -29,6 +30,10 @@ JsonValue Categories(const std::map<std::string, int>& ids) {
     categories.emplace_back(std::move(row));
   }
   return JsonValue(std::move(categories));
+}
+
+void DescribeDoubts(JsonVisitor& visitor, std::vector<std::string>& doubts) {
+  visitor.Field("doubts", doubts);
 }
 
 }  // namespace
@@ -70,6 +75,15 @@ Result<std::string> EncodeDetections(const DetectionTable& table, std::string_vi
 
 Result<DetectionTable> DecodeDetections(TextSource text, std::string_view name) {
   return DecodeDocument<DetectionTable>(kFormat, std::move(text), name);
+}
+
+Result<std::string> EncodeDoubts(const std::vector<std::string>& doubts, std::string_view name) {
+  return EncodeDocument(kDoubtsFormat, doubts, name, DescribeDoubts);
+}
+
+Result<std::vector<std::string>> DecodeDoubts(TextSource text, std::string_view name) {
+  return DecodeDocument<std::vector<std::string>>(
+      kDoubtsFormat, std::move(text), name, DescribeDoubts);
 }
 
 }  // namespace deepslam::artifact

@@ -1,5 +1,6 @@
 // detections.json: boxes and masks in the COCO layout (images, categories, annotations), with
-// scores, so that COCO tools open it. Image ids are frame indices.
+// scores, so that COCO tools open it. Image ids are frame indices. doubts.json: why they make the
+// whole run's result doubtful, sentences for people.
 #pragma once
 
 #include <optional>
@@ -33,5 +34,9 @@ struct DetectionTable {
 [[nodiscard]] Result<std::string> EncodeDetections(const DetectionTable& table,
                                                    std::string_view name);
 [[nodiscard]] Result<DetectionTable> DecodeDetections(TextSource text, std::string_view name);
+
+[[nodiscard]] Result<std::string> EncodeDoubts(const std::vector<std::string>& doubts,
+                                               std::string_view name);
+[[nodiscard]] Result<std::vector<std::string>> DecodeDoubts(TextSource text, std::string_view name);
 
 }  // namespace deepslam::artifact

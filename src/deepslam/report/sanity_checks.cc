@@ -156,9 +156,9 @@ void CheckMap(const OptimizedMap& map, RunVerdict& run) {
 
 RunVerdict CheckRun(const OptimizedMap& map,
                     std::span<const KeyframeJoin> joins,
-                    std::span<const std::string> capture_doubts) {
+                    std::span<const std::string> doubts) {
   RunVerdict run;
-  for (const std::string& doubt : capture_doubts) Note(Verdict::kDoubtful, doubt, run);
+  for (const std::string& doubt : doubts) Note(Verdict::kDoubtful, doubt, run);
   CheckTracking(map.frames, run);
   CheckPath(map, joins, run);
   CheckMap(map, run);

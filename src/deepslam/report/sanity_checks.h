@@ -14,11 +14,10 @@ namespace deepslam::report {
 // the rest, or no object. Doubtful: more than 5 % lost, any frames without a measured place, more
 // than a quarter weakly constrained, a camera that jumps (path_jumps.h), few keyframes, no ground,
 // a graph that did not converge, objects of little confidence, and whatever is doubted of the
-// capture itself
-// (`capture_doubts`, sentences), which stands first. `joins`: what is known between
-// keyframes, by tracking and by the loops.
+// capture itself and of the detections given (`doubts`, sentences), which stands first. `joins`:
+// what is known between keyframes, by tracking and by the loops.
 [[nodiscard]] RunVerdict CheckRun(const OptimizedMap& map,
                                   std::span<const KeyframeJoin> joins,
-                                  std::span<const std::string> capture_doubts = {});
+                                  std::span<const std::string> doubts = {});
 
 }  // namespace deepslam::report

@@ -1,6 +1,11 @@
 // detect: boxes from a network, a user's file, and depth clusters that stand on the floor.
+#include <algorithm>
+#include <iterator>
+#include <map>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,6 +21,9 @@ namespace {
 
 using pipeline::StageContext;
 using pipeline::StageSummary;
+
+// A file of which more than this cannot be used was hardly made for the capture.
+constexpr double kDoubtfulLossShare = 0.5;
 
 Result<std::shared_ptr<const detect::Detector>> LoadDetector(const RunInputs& inputs,
                                                              detect::Sides pictures) {
@@ -48,12 +56,18 @@ artifact::PictureSize ColourSize(const dataset::Capture& capture) {
   return {camera.width, camera.height};
 }
 
+struct GivenDetections {
+  std::vector<Detection> detections;
+  std::vector<std::string> doubts;  // sentences without the file's name, which is no result
+};
+
 // The user's boxes; nothing when the source is another.
-Result<std::vector<Detection>> ReadFileDetections(const RunInputs& inputs,
-                                                  std::span<const artifact::DetectedImage> images,
-                                                  Progress& progress) {
+Result<GivenDetections> ReadFileDetections(const RunInputs& inputs,
+                                           std::span<const artifact::DetectedImage> images,
+                                           Progress& progress) {
   const DetectStageOptions& options = inputs.config.detect_stage;
-  if (options.source != "file") return std::vector<Detection>();
+  GivenDetections given;
+  if (options.source != "file") return given;
   Result<artifact::CocoDetections> coco =
       artifact::ReadCocoFile([&] { return storage::OpenText(options.file); },
                              options.file,
@@ -61,13 +75,19 @@ Result<std::vector<Detection>> ReadFileDetections(const RunInputs& inputs,
                              inputs.classes,
                              ColourSize(*inputs.capture));
   if (!coco.ok()) return coco.error();
-  for (const std::string& warning : coco->warnings)
+  const artifact::CocoLosses& losses = coco->losses;
+  std::vector<std::string> warnings = artifact::LossesAbove(0, losses);
+  std::ranges::move(coco->warnings, std::back_inserter(warnings));
+  for (const std::string& warning : warnings)
     progress.Warn(fmt::format("{}: {}", options.file, warning));
-  if (coco->detections.empty() && coco->losses.num_entries > 0) {
+  if (coco->detections.empty() && losses.num_entries > 0) {
     return InvalidInput(fmt::format(
-        "{}: no entry fits the capture: {}", options.file, artifact::WhyNoneFits(coco->losses)));
+        "{}: no entry fits the capture: {}", options.file, artifact::WhyNoneFits(losses)));
   }
-  return std::move(coco->detections);
+  for (const std::string& loss : artifact::LossesAbove(kDoubtfulLossShare, losses))
+    given.doubts.push_back(fmt::format("of the detections given, {}", loss));
+  given.detections = std::move(coco->detections);
+  return given;
 }
 
 // `which`: as the option detect.frames.
@@ -119,7 +139,7 @@ Result<StageSummary> RunDetect(StageContext& context, const RunInputs& inputs) {
   if (!given.ok()) return given.error();
   const Config& config = inputs.config;
   const detect::DetectionInputs looked{
-      *inputs.capture->frames, *trajectory, *ground, inputs.classes, *given};
+      *inputs.capture->frames, *trajectory, *ground, inputs.classes, given->detections};
   const Result<std::vector<FrameIdx>> wanted =
       FramesWanted(looked, config.detect_stage.frames, context.progress());
   if (!wanted.ok()) return wanted.error();
@@ -130,8 +150,10 @@ Result<StageSummary> RunDetect(StageContext& context, const RunInputs& inputs) {
       looked, *wanted, load, {config.detect, config.clusters}, context.progress());
   if (!found.ok()) return found.error();
   const artifact::DetectionTable table = TableOf(std::move(found).value(), images);
-  const Status written = WriteEncoded(
-      context, "detections.json", artifact::EncodeDetections(table, "detections.json"));
+  const Status written = WriteFiles(
+      context,
+      {{"detections.json", [&] { return artifact::EncodeDetections(table, "detections.json"); }},
+       {"doubts.json", [&] { return artifact::EncodeDoubts(given->doubts, "doubts.json"); }}});
   if (!written.ok()) return written.error();
   return Summarise(table);
 }

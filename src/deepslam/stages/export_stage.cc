@@ -1,7 +1,11 @@
 // export: the labelled scene, the compact map, the object list.
+#include <algorithm>
 #include <array>
 #include <functional>
+#include <iterator>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -108,8 +112,9 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   const std::array<std::function<void()>, 2> make = {
       [&] { glbs = EncodeGlbs(scene, config); },
       [&] {
-        const RunVerdict verdict =
-            report::CheckRun(finished.map, content->joins, inputs.capture->doubts);
+        std::vector<std::string> doubts = inputs.capture->doubts;
+        std::ranges::copy(content->doubts, std::back_inserter(doubts));
+        const RunVerdict verdict = report::CheckRun(finished.map, content->joins, doubts);
         map = presentation::MakeCompactMap(
             finished, scene, content->codes, {run, verdict, NotedMeshOptions(config)});
         for (const TriangleMesh& mesh : finished.meshes)

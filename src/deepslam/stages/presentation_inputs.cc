@@ -144,8 +144,9 @@ presentation::RunIdentity IdentityOf(const dataset::Capture& capture) {
 
 Result<ExportInputs> ReadExportInputs(const StageContext& context) {
   ExportInputs inputs;
-  const std::array<std::function<Status()>, 5> readers = {
+  const std::array<std::function<Status()>, 6> readers = {
       [&] { return ReadMapped(context, inputs); },
+      [&] { return Take(ReadDoubts(context), inputs.doubts); },
       [&] { return ReadCodes(context, inputs.codes); },
       [&] { return Take(ReadMesh(context, "fuse", "room.ply"), inputs.finished.room_world); },
       [&] { return Take(ReadJoins(context), inputs.joins); },

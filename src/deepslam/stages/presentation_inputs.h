@@ -1,6 +1,7 @@
 // What stages `export` and `report` read of the others.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "deepslam/core/result.h"
@@ -20,6 +21,7 @@ struct ExportInputs {
   presentation::ShapeCodes codes;
   // Between which keyframes tracking and the loops measured something.
   std::vector<KeyframeJoin> joins;
+  std::vector<std::string> doubts;  // of the detections
 };
 
 [[nodiscard]] Result<ExportInputs> ReadExportInputs(const pipeline::StageContext& context);

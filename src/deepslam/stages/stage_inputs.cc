@@ -210,6 +210,10 @@ Result<std::vector<std::string>> ReadApplied(const StageContext& context, std::s
   return Decode(context, stage, "overrides.json", artifact::DecodeApplied);
 }
 
+Result<std::vector<std::string>> ReadDoubts(const StageContext& context) {
+  return Decode(context, "detect", "doubts.json", artifact::DecodeDoubts);
+}
+
 Status WriteModels(StageContext& context, const std::map<std::string, VoxelGrid>& grids) {
   std::vector<const VoxelGrid*> in_order;
   for (const auto& [key, grid] : grids) in_order.push_back(&grid);

@@ -90,6 +90,8 @@ struct EncodedFile {
 // What a stage (ground, associate or select) applied.
 [[nodiscard]] Result<std::vector<std::string>> ReadApplied(const pipeline::StageContext& context,
                                                            std::string_view stage);
+// doubts.json of stage `detect`: what makes the run's result doubtful (mostly nothing).
+[[nodiscard]] Result<std::vector<std::string>> ReadDoubts(const pipeline::StageContext& context);
 // models/<key>.binvox each.
 [[nodiscard]] Status WriteModels(pipeline::StageContext& context,
                                  const std::map<std::string, VoxelGrid>& grids);

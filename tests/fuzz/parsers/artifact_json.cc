@@ -42,6 +42,7 @@ const std::map<std::string, Reader, std::less<>>& Readers() {
   static const std::map<std::string, Reader, std::less<>> readers = {
       {"deepslam/tracks", Of(artifact::DecodeAssociation, artifact::EncodeAssociation)},
       {"deepslam/detections", Of(artifact::DecodeDetections, artifact::EncodeDetections)},
+      {"deepslam/doubts", Of(artifact::DecodeDoubts, artifact::EncodeDoubts)},
       {"deepslam/ground", Of(artifact::DecodeGround, artifact::EncodeGround)},
       {"deepslam/loops", Of(artifact::DecodeLoops, artifact::EncodeLoops)},
       {"deepslam/objects", Of(artifact::DecodeObjectMap, artifact::EncodeObjectMap)},
