@@ -44,6 +44,7 @@ class ShadeDetector final : public Detector {
  public:
   explicit ShadeDetector(double person_score = 0.9) : person_score_(person_score) {}
 
+  [[nodiscard]] std::vector<std::string> labels() const override { return {"chair", "person"}; }
   [[nodiscard]] Result<std::vector<RawDetection>> Detect(const ColourImage& image) const override {
     std::vector<RawDetection> found;
     for (const auto& [object, label] : {std::pair(kChair, "chair"), std::pair(kPerson, "person")}) {
@@ -69,6 +70,7 @@ class ShadeDetector final : public Detector {
 
 class BrokenDetector final : public Detector {
  public:
+  [[nodiscard]] std::vector<std::string> labels() const override { return {}; }
   [[nodiscard]] Result<std::vector<RawDetection>> Detect(const ColourImage&) const override {
     return Failed("out of memory");
   }

@@ -1,9 +1,14 @@
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
+#include "deepslam/class_table/class_table_yaml.h"
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/detector.h"
+#include "deepslam/detect/yolo_heads.h"
 #include "support/tiny_onnx.h"
 
 namespace deepslam::detect {
@@ -42,6 +47,7 @@ TEST(LoadNetworkDetector, RunsANetworkFromItsBytes) {
   ASSERT_TRUE(found.ok());
   ASSERT_THAT(*found, SizeIs(1));
   EXPECT_EQ((*found)[0].label, "dining table");
+  EXPECT_THAT((*detector)->labels(), testing::ElementsAre("chair", "dining table"));
   EXPECT_NEAR((*found)[0].score, 0.9, 1e-6);
   EXPECT_EQ((*found)[0].box_px, (Box2{43.5, 53.5, 83.5, 73.5}));
   const auto nothing = (*detector)->Detect(ColourImage());
@@ -164,8 +170,38 @@ TEST(MapDetections, DropsBoxesThatMakeNoSense) {
       IsEmpty());
 }
 
+std::vector<std::string> NamesNeverDetected(const ClassTable& classes) {
+  std::vector<std::string> names;
+  for (const ObjectClass* c :
+       NeverDetected(classes, class_table::DefaultClassTable(), CocoLabels()))
+    names.push_back(c->name);
+  return names;
+}
+
+TEST(NeverDetected, AreClassesOfTheUsersNoneOfWhoseLabelsTheDetectorKnows) {
+  ClassTable classes = class_table::DefaultClassTable();
+  ASSERT_THAT(CocoLabels(), testing::Not(testing::Contains("lamp")));
+  EXPECT_THAT(NamesNeverDetected(classes), IsEmpty()) << "the table delivered has a lamp";
+  const auto add = [&](const char* name, std::vector<std::string> labels) {
+    ObjectClass added;
+    added.name = name;
+    added.detector_labels = std::move(labels);
+    classes.classes.push_back(added);
+  };
+  add("by depth", {});
+  add("pet", {"hound", "dog"});
+  EXPECT_THAT(NamesNeverDetected(classes), IsEmpty()) << "one known label is enough";
+  add("monster", {"dragon", "Dog"});
+  EXPECT_THAT(NamesNeverDetected(classes), testing::ElementsAre("monster"));
+  for (ObjectClass& c : classes.classes) {
+    if (c.name == "lamp") c.detector_labels = {"torchiere"};
+  }
+  EXPECT_THAT(NamesNeverDetected(classes), testing::ElementsAre("lamp", "monster"));
+}
+
 class FailingDetector final : public Detector {
  public:
+  [[nodiscard]] std::vector<std::string> labels() const override { return {}; }
   [[nodiscard]] Result<std::vector<RawDetection>> Detect(const ColourImage&) const override {
     return Failed("out of memory");
   }

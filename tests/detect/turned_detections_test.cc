@@ -19,6 +19,7 @@ constexpr Rgb8 kFoot{10, 20, 30};
 // Knows lamps that stand: a light pixel, and dark ones right below it.
 class StandingLamps final : public Detector {
  public:
+  [[nodiscard]] std::vector<std::string> labels() const override { return {"lamp"}; }
   [[nodiscard]] Result<std::vector<RawDetection>> Detect(const ColourImage& image) const override {
     std::vector<RawDetection> found;
     for (int v = 0; v + 2 < image.height(); ++v) {

@@ -65,4 +65,20 @@ Result<std::vector<Detection>> DetectFrame(const Detector& detector,
   return MapDetections(*raw, frame, classes, options);
 }
 
+std::vector<const ObjectClass*> NeverDetected(const ClassTable& classes,
+                                              const ClassTable& delivered,
+                                              std::span<const std::string> detector_labels) {
+  const auto known = [&](const std::string& label) {
+    return std::ranges::find(detector_labels, label) != detector_labels.end();
+  };
+  std::vector<const ObjectClass*> never;
+  for (const ObjectClass& c : classes.classes) {
+    const ObjectClass* const as_delivered = delivered.Find(c.name);
+    const bool own = as_delivered == nullptr || as_delivered->detector_labels != c.detector_labels;
+    if (own && !c.detector_labels.empty() && std::ranges::none_of(c.detector_labels, known))
+      never.push_back(&c);
+  }
+  return never;
+}
+
 }  // namespace deepslam::detect

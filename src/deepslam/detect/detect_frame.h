@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "deepslam/core/options.h"
@@ -39,5 +40,13 @@ void Describe(OptionsVisitor& visitor, DetectOptions& options);
                                                    const Frame& frame,
                                                    const ClassTable& classes,
                                                    const DetectOptions& options);
+
+// Classes that have labels of which a detector knows none, so that it never finds them. A class
+// that `delivered` has with the same labels is none of these: that table is made for several
+// detectors.
+[[nodiscard]] std::vector<const ObjectClass*> NeverDetected(
+    const ClassTable& classes,
+    const ClassTable& delivered,
+    std::span<const std::string> detector_labels);
 
 }  // namespace deepslam::detect

@@ -30,6 +30,8 @@ class Detector {
   // An empty image has no detections. A grey image is a colour image with equal channels.
   [[nodiscard]] virtual Result<std::vector<RawDetection>> Detect(
       const ColourImage& image) const = 0;
+  // All that it can give, in its own order.
+  [[nodiscard]] virtual std::vector<std::string> labels() const = 0;
 };
 
 struct DetectorOptions {

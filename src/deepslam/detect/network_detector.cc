@@ -77,6 +77,7 @@ class NetworkDetector final : public Detector {
   // Reads names and head; an Error when this is no detector that is known here.
   Status Prepare();
   [[nodiscard]] Result<std::vector<RawDetection>> Detect(const ColourImage& image) const override;
+  [[nodiscard]] std::vector<std::string> labels() const override { return labels_; }
 
  private:
   [[nodiscard]] Status PrepareInput();

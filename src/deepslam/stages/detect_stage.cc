@@ -8,8 +8,11 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "deepslam/artifact/coco_file.h"
+#include "deepslam/class_table/class_table_yaml.h"
+#include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/detect_frames.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
@@ -90,6 +93,23 @@ Result<GivenDetections> ReadFileDetections(const RunInputs& inputs,
   return given;
 }
 
+// `labels`: of the detector; none where none looked.
+void WarnOfNeverDetected(const RunInputs& inputs,
+                         const std::vector<std::string>& labels,
+                         Progress& progress) {
+  if (labels.empty()) return;
+  const ClassTable delivered = class_table::DefaultClassTable();
+  for (const ObjectClass* c : detect::NeverDetected(inputs.classes, delivered, labels)) {
+    progress.Warn(fmt::format(
+        "{}: class \"{}\" has the labels [{}], of which the detector knows none, so that "
+        "no detection is ever of that class; give it a label of the detector, or "
+        "`labels: []`, which finds it by its depth alone",
+        inputs.config.classes_file,
+        c->name,
+        fmt::join(c->detector_labels, ", ")));
+  }
+}
+
 // `which`: as the option detect.frames.
 Result<std::vector<FrameIdx>> FramesWanted(const detect::DetectionInputs& inputs,
                                            const std::string& which,
@@ -144,11 +164,18 @@ Result<StageSummary> RunDetect(StageContext& context, const RunInputs& inputs) {
       FramesWanted(looked, config.detect_stage.frames, context.progress());
   if (!wanted.ok()) return wanted.error();
   detect::DetectorLoader load;
-  if (config.detect_stage.source == "network")
-    load = [&](detect::Sides pictures) { return LoadDetector(inputs, pictures); };
+  std::vector<std::string> labels;
+  if (config.detect_stage.source == "network") {
+    load = [&](detect::Sides pictures) {
+      auto detector = LoadDetector(inputs, pictures);
+      if (detector.ok()) labels = (*detector)->labels();
+      return detector;
+    };
+  }
   Result<std::vector<detect::FrameDetections>> found = detect::DetectFrames(
       looked, *wanted, load, {config.detect, config.clusters}, context.progress());
   if (!found.ok()) return found.error();
+  WarnOfNeverDetected(inputs, labels, context.progress());
   const artifact::DetectionTable table = TableOf(std::move(found).value(), images);
   const Status written = WriteFiles(
       context,
