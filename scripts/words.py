@@ -5,7 +5,7 @@
     scripts/words.py --list [REPOSITORY]     names what each figure counts: options, constants, places of coined terms
     scripts/words.py --check [REPOSITORY]    fails where a limit below is passed; ctest runs this
 
-The limits are what has been reached: they are lowered, never raised.
+The limits are what has been reached: they are lowered, and raised only by what a new format, class or option needs.
 """
 import argparse
 import pathlib

@@ -48,6 +48,8 @@ DRY = {
     r"python3 tests/end_to_end/two_builds\.py ": "wants a build by another compiler; ctest runs it with this one (two_builds)",
     r"scripts/(compare_open3d|open3d_reconstruction)\.py\b": "minutes, and needs another program",
     r"scripts/train/train\.sh\b": "trains for hours",
+    r"deepslam library build -o my_library\b": "a library of two models; ctest makes one (cli)",
+    r"deepslam run .*propose\.library=my_library": "wants that library",
     r"scripts/train/gpu\.sh\b": "packs or trains for minutes; ctest runs its parts (training_kit)",
     r"scripts/path_agreement\.py\b": "needs packages of PyPI",
     r"scripts/import_recording\.py\b": "needs packages of PyPI; ctest runs it where they are (import_recording)",

@@ -64,6 +64,14 @@ struct GivenDetections {
   std::vector<std::string> doubts;  // sentences without the file's name, which is no result
 };
 
+// A file may be of all frames of a capture of which a run takes some.
+artifact::CocoLosses OfTaken(artifact::CocoLosses losses) {
+  artifact::CocoLosses::Kind& elsewhere = losses.Of(artifact::CocoFault::kUnknownImage);
+  losses.num_entries -= elsewhere.num_entries;
+  elsewhere = {};
+  return losses;
+}
+
 // The user's boxes; nothing when the source is another.
 Result<GivenDetections> ReadFileDetections(const RunInputs& inputs,
                                            std::span<const artifact::DetectedImage> images,
@@ -87,7 +95,7 @@ Result<GivenDetections> ReadFileDetections(const RunInputs& inputs,
     return InvalidInput(fmt::format(
         "{}: no entry fits the capture: {}", options.file, artifact::WhyNoneFits(losses)));
   }
-  for (const std::string& loss : artifact::LossesAbove(kDoubtfulLossShare, losses))
+  for (const std::string& loss : artifact::LossesAbove(kDoubtfulLossShare, OfTaken(losses)))
     given.doubts.push_back(fmt::format("of the detections given, {}", loss));
   given.detections = std::move(coco->detections);
   return given;
