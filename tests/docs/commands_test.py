@@ -323,7 +323,7 @@ class Documents(unittest.TestCase):
     def test_a_wrong_page_is_found_out(self):
         for text, expected in (
                 ("```sh\ndeepslam status workspace --verbos\n```\n", "verbos"),
-                ("```\ndeepslam rnu capture -o workspace\n```\n", "ended with 2"),
+                ("```\ndeepslam rnu capture -o workspace\n```\n", "no command rnu"),
                 ("text `deepslam convert capture OUT --to tum|obj`", "obj"),
                 ("```\nscripts/test.sh --presett dev\n```\n", "no option --presett"),
                 ("see `scripts/nothing.sh`", "no file"),
