@@ -27,6 +27,8 @@ Frame MakeFrame(int i) {
               ColourImage(40, 30, Rgb8{static_cast<std::uint8_t>(40 * i), 90, 30}),
               DepthImage(40, 30)};
   for (float& d : frame.depth_m) d = static_cast<float>(random.Uniform(0.3, 9.0));
+  for (int v = 0; v < 30; ++v)
+    for (int u = 32; u < 40; ++u) frame.colour(u, v) = {200, 210, 220};  // not all of one tone
   frame.depth_m(0, 0) = 0;
   frame.depth_m(1, 0) = 70;  // does not fit 16 bits at 1000 units per metre
   return frame;
