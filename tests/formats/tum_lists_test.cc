@@ -92,6 +92,9 @@ TEST(ParseFileList, RefusesTimesThatAreMostlyOne) {
   ASSERT_FALSE(files.ok());
   EXPECT_THAT(files.error().message, HasSubstr("rgb.txt: 5 different lines have 2 times"));
   EXPECT_TRUE(ParseFileList("7 a\n7 b\n8 c\n8 d\n", "rgb.txt", warnings).ok());
+  EXPECT_TRUE(
+      ParsePoses("7 0 0 0 0 0 0 1\n7 1 0 0 0 0 0 1\n7 2 0 0 0 0 0 1\n", "poses.txt", warnings).ok())
+      << "a run may do without poses";
 }
 
 TEST(AssociateByTime, PairsWithinSegmentsOfTheClock) {

@@ -97,9 +97,8 @@ class CaptureFrameSource final : public FrameSource {
     }
     Error error = read.error();
     if (before.load(std::memory_order_relaxed) && error.code == ErrorCode::kInvalidInput)
-      error = Failed(error.message +
-                     "; it was read before: see to it that the capture stays as it "
-                     "is, and run again");
+      error =
+          Failed(error.message + "; it was read before: leave the capture as it is, and run again");
     if (faults_) faults_->Note(error);
     return error;
   }

@@ -22,7 +22,7 @@ constexpr double kWidestDeg = 130;    // Azure Kinect's wide depth camera sees 1
 constexpr double kShortestIntervalS = 0.0005;
 constexpr double kLongestIntervalS = 5;  // milliseconds taken for seconds are 33 apart
 constexpr std::size_t kDepthStep = 17;   // every which pixel is looked at
-// Between the brightest and the darkest pixel, of 255: a picture of one tone has so much after
+// Between the brightest and the darkest grey level, of 255: a picture of one tone has so much after
 // JPEG, a blank wall more, as light falls off across it.
 constexpr int kLeastContrast = 12;
 
@@ -110,8 +110,7 @@ std::vector<std::string> ColourDoubts(std::span<const IntensityImage> pictures) 
   if (2 * num_flat <= std::ssize(pictures)) return {};
   return {
       fmt::format("{} of {} pictures looked at are of one tone: nothing can be recognised in them; "
-                  "are they the "
-                  "capture's colour images?",
+                  "are they the capture's colour images?",
                   num_flat,
                   pictures.size())};
 }

@@ -124,8 +124,6 @@ void NumberClockSegments(std::vector<T>& entries,
                   others));
 }
 
-// Ascending in time and each time once, within each segment of the clock; says in `warnings` what
-// that changed.
 // Lists of images whose lines mostly share their times have another column there.
 Status CheckTimesDiffer(std::size_t num_lines,
                         std::size_t num_times,
@@ -139,10 +137,12 @@ Status CheckTimesDiffer(std::size_t num_lines,
                   num_times));
 }
 
+// Ascending in time and each time once, within each segment of the clock; says in `warnings` what
+// that changed. The number of different lines there were.
 template <typename T>
-Status SortByTime(std::vector<T>& entries,
-                  const std::filesystem::path& list,
-                  std::vector<std::string>& warnings) {
+std::size_t SortByTime(std::vector<T>& entries,
+                       const std::filesystem::path& list,
+                       std::vector<std::string>& warnings) {
   const std::size_t count = entries.size();
   DropRepeatedLines(entries);
   const std::size_t num_lines = entries.size();
@@ -159,7 +159,7 @@ Status SortByTime(std::vector<T>& entries,
     warnings.push_back(fmt::format(
         "{}: {} lines repeat a time and were left out", list.string(), count - entries.size()));
   }
-  return CheckTimesDiffer(num_lines, entries.size(), list);
+  return num_lines;
 }
 
 Error EmptyList(const std::filesystem::path& list) {
@@ -266,7 +266,9 @@ Result<std::vector<dataset::TimedFile>> ParseFileList(const std::string& text,
   auto entries = ParseLines<dataset::TimedFile>(text, list, 4, parse, warnings);
   if (!entries) return entries;
   if (entries->empty()) return EmptyList(list);
-  if (Status status = SortByTime(*entries, list, warnings); !status.ok()) return status.error();
+  const std::size_t num_lines = SortByTime(*entries, list, warnings);
+  if (Status status = CheckTimesDiffer(num_lines, entries->size(), list); !status.ok())
+    return status.error();
   return entries;
 }
 
@@ -277,7 +279,9 @@ Result<std::vector<dataset::ImagePair>> ParseAssociations(const std::string& tex
   auto pairs = ParseLines<dataset::ImagePair>(text, list, 8, parse, warnings);
   if (!pairs) return pairs;
   if (pairs->empty()) return EmptyList(list);
-  if (Status status = SortByTime(*pairs, list, warnings); !status.ok()) return status.error();
+  const std::size_t num_lines = SortByTime(*pairs, list, warnings);
+  if (Status status = CheckTimesDiffer(num_lines, pairs->size(), list); !status.ok())
+    return status.error();
   return pairs;
 }
 
@@ -301,7 +305,7 @@ Result<std::vector<TimedPose>> ParsePoses(const std::string& text,
         first_unusable,
         num_unusable));
   }
-  if (Status status = SortByTime(*poses, list, warnings); !status.ok()) return status.error();
+  SortByTime(*poses, list, warnings);
   return poses;
 }
 
