@@ -51,11 +51,7 @@ class SystemBuilder {
         gates_(gates),
         projector_(i.camera, j, i_from_j),
         is_photometric_(j.choice().photometric && !i.gradients.empty()),
-        geometric_(i,
-                   j,
-                   PlaneMatcher(projector_.rotation(), noise, gates.min_normal_cosine),
-                   gates,
-                   room_),
+        geometric_(i, j, PlaneMatcher(projector_.rotation(), noise, gates), gates, room_),
         photometric_(i, j, projector_, gates, room_) {}
 
   AlignmentSystem Build() {

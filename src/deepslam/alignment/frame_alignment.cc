@@ -18,8 +18,6 @@ namespace {
 constexpr float kNearScale = 6.0F;
 constexpr float kNearPhotometricScale = 12.0F;  // grey levels
 constexpr std::size_t kNearLevels = 2;          // finest ones, gone through from there
-// Such a start has at least this share of the overlap that is asked of the end.
-constexpr double kNearOverlap = 0.75;
 // Of the finest level: when iterations end, and by every how many batches of points their end is
 // measured.
 struct FinestEnd {
@@ -57,6 +55,7 @@ SourcePoints NearPoints(const PyramidLevel& level, int stride, const AlignmentOp
 // Of a level that `num_coarser` others precede; scales open again for what the level adds.
 void TakeGates(const AlignmentOptions& options, std::size_t num_coarser, GaussNewtonState& state) {
   AlignmentGates gates = LevelGates(options, num_coarser);
+  gates.systematic_m = state.gates.systematic_m;
   gates.geometric_scale = 2 * state.gates.geometric_scale;
   gates.photometric_scale = 2 * state.gates.photometric_scale;
   gates.gain = state.gates.gain;
@@ -151,17 +150,6 @@ AlignmentOptions WithNoiseOf(const FramePyramid& i,
   return options;
 }
 
-// At the coarsest level.
-bool SeesTheSame(const FramePyramid& i,
-                 const FramePyramid& j,
-                 const Pose3& i_from_j,
-                 const AlignmentOptions& options) {
-  const std::size_t coarsest = NumAlignmentLevels(i) - 1;
-  const PlaceScore there = ScoreCoarsely(
-      i.levels[coarsest], FarPoints(j.levels[coarsest], 1, options), i_from_j, options);
-  return there.num_overlap >= kNearOverlap * options.min_overlap * there.num_source;
-}
-
 }  // namespace
 
 FrameAlignment AlignPyramids(const FramePyramid& i,
@@ -192,8 +180,8 @@ FrameAlignment RefineAlignment(const FramePyramid& i,
   if (!Comparable(i, j)) return Failed(i_from_j);
   DEEPSLAM_CHECK(IsReference(i), "frames are aligned to references");
   const AlignmentOptions options = WithNoiseOf(i, j, user_options);
-  if (!SeesTheSame(i, j, i_from_j, options)) return Failed(i_from_j);
   GaussNewtonState state = StartAt(i_from_j);
+  state.gates.systematic_m = 0;  // the place is known: what moves with the camera fits nowhere
   state.gates.geometric_scale = kNearScale;
   state.gates.photometric_scale = kNearPhotometricScale;
   const std::size_t num_levels = std::min(kNearLevels, NumAlignmentLevels(i));

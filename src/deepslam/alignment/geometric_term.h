@@ -121,7 +121,7 @@ class GeometricTerm {
                    {pairs.source_nx[k], pairs.source_ny[k], pairs.source_nz[k]});
       const float count = pairs.counts[k] * match.fits;
       matched[k] = count;
-      inliers[k] = count * (match.normalised <= kInlierSigmas ? 1.0F : 0.0F);
+      inliers[k] = count * (match.normalised_noise <= kInlierSigmas ? 1.0F : 0.0F);
       squares[k] = match.residual_m * match.residual_m;
       bins[k] = MedianHistogram::Bin(match.normalised, kBinsPerSigma, count);
       weights[k] = count * StudentWeight(match.normalised * inverse_scale);

@@ -28,7 +28,7 @@ class Scorer {
         j_(j),
         gates_(gates),
         projector_(i.camera, j, i_from_j),
-        match_of_(projector_.rotation(), noise, gates.min_normal_cosine),
+        match_of_(projector_.rotation(), noise, gates),
         photometric_(j.choice().photometric && !i.gradients.empty()) {}
 
   PlaceScore Run() {

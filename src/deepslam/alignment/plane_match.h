@@ -8,11 +8,17 @@
 
 namespace deepslam::alignment {
 
+// What surfaces are off by beside the noise: calibration, and what moves a little or is fixed to
+// the camera. By their noise alone, things half a metre away would count a hundred times as much as
+// a room, and a robot's own body in a tenth of the picture would hold the path where it began.
+inline constexpr float kSystematicM = 0.005F;
+
 // What a correspondence must fulfil, and the scale that its geometric residual is divided by.
 struct CorrespondenceGates {
   float max_distance_m = 0.1F;  // along the optical axis of i
   float min_normal_cosine = 0.64F;
-  float geometric_scale = 1.0F;  // standard deviation of residual / noise(z)
+  float geometric_scale = 1.0F;       // standard deviation of residual / error(z)
+  float systematic_m = kSystematicM;  // of each point, beside its noise
 };
 
 // Of a residual in standard deviations: Student's t with five degrees of freedom (Kerl et al.
@@ -25,17 +31,22 @@ inline float StudentWeight(float normalised) {
 struct PlaneMatch {
   float fits = 0;  // 1 where the normals do
   float residual_m = 0;
-  float inverse_sigma = 0;  // of the noise of both points, 1/m
-  float normalised = 0;     // absolute, in standard deviations
+  // Of the noise and the systematic error of both points, 1/m: by what a residual counts.
+  float inverse_sigma = 0;
+  float normalised = 0;        // absolute, in standard deviations of both
+  float normalised_noise = 0;  // absolute, in standard deviations of the noise alone
 };
 
 class PlaneMatcher {
  public:
-  PlaneMatcher(const Eigen::Matrix3f& i_from_j, const DepthNoise& noise, float min_normal_cosine)
+  PlaneMatcher(const Eigen::Matrix3f& i_from_j,
+               const DepthNoise& noise,
+               const CorrespondenceGates& gates)
       : i_from_j_(i_from_j),
         base_m_(kSqrt2 * static_cast<float>(noise.base_m)),
         growth_per_m_(kSqrt2 * static_cast<float>(noise.growth_per_m)),
-        min_cosine_(min_normal_cosine) {}
+        squared_systematic_m2_(2 * gates.systematic_m * gates.systematic_m),
+        min_cosine_(gates.min_normal_cosine) {}
 
   // Point p in frame i, the reference's tangent plane there, the source's normal in frame j.
   PlaneMatch operator()(const Triple& p,
@@ -47,8 +58,10 @@ class PlaneMatcher {
     PlaneMatch match;
     match.fits = cosine >= min_cosine_ ? 1.0F : 0.0F;
     match.residual_m = normal.x * p.x + normal.y * p.y + normal.z * p.z - offset_m;
-    match.inverse_sigma = 1.0F / (base_m_ + growth_per_m_ * (p.z - 0.4F) * (p.z - 0.4F));
+    const float noise_m = base_m_ + growth_per_m_ * (p.z - 0.4F) * (p.z - 0.4F);
+    match.inverse_sigma = 1.0F / std::sqrt(noise_m * noise_m + squared_systematic_m2_);
     match.normalised = std::abs(match.residual_m) * match.inverse_sigma;
+    match.normalised_noise = std::abs(match.residual_m) / noise_m;
     return match;
   }
 
@@ -58,7 +71,7 @@ class PlaneMatcher {
   static constexpr float kSqrt2 = 1.41421356F;  // a residual has the noise of two depths
 
   Rotation i_from_j_;
-  float base_m_, growth_per_m_, min_cosine_;
+  float base_m_, growth_per_m_, squared_systematic_m2_, min_cosine_;
 };
 
 }  // namespace deepslam::alignment

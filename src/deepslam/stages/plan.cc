@@ -32,7 +32,7 @@ struct PlannedStage {
 };
 
 constexpr std::array<PlannedStage, 15> kChain = {{
-    {"track", 21, "", "track track.covisible track.join", kFrames, RunTrack},
+    {"track", 22, "", "track track.covisible track.join", kFrames, RunTrack},
     {"ground", 8, "track", "ground", kFrames | kGroundHint, RunGround},
     {"layout", 14, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",

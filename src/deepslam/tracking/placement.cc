@@ -11,9 +11,6 @@ using alignment::StartSearch;
 
 // Images of real captures that are laid right correlate like that.
 constexpr double kConfidentCorrelation = 0.8;
-// Successive images correlate like that where they are laid right, however poor their depth is;
-// laid elsewhere, they differ by parallax.
-constexpr double kSameImage = 0.95;
 
 // World from the camera where it only turned since the reference.
 std::optional<Pose3> SearchTurn(const PosedFrame& reference, const PosedFrame& frame) {

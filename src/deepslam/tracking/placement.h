@@ -41,6 +41,10 @@ struct Starts {
 // Where the camera is expected (PredictedPose), or was; and turned from there.
 [[nodiscard]] Starts StartsBehindPrevious(const PathSoFar& path, const PosedFrame& frame);
 
+// Successive images correlate like that where they are laid right, however poor their depth is;
+// laid elsewhere, they differ by parallax.
+inline constexpr double kSameImage = 0.95;
+
 // Alignments of real captures that are right are: enough inliers and images that are alike, or
 // images that are so alike that depth may be poor. False where it is not ok.
 [[nodiscard]] bool IsConfident(const alignment::FrameAlignment& alignment);

@@ -80,17 +80,11 @@ bool IsBorneOutByFeatures(const PathSoFar& path,
   if (last.sub_trajectory != reference.sub_trajectory ||
       Violation(path, reference, placed) > kMaxViolationOfSmear)
     return false;
-  switch (LikelihoodOfMotion(path, last, frame, placed.world_from_camera, kFastHand)) {
-    case MotionLikelihood::kAsPredicted:
-      return true;
-    case MotionLikelihood::kOfAHand:
-      return alignment::PatchZncc(
-                 *reference.pyramid, *frame.pyramid, found.i_from_j, options.pyramid.noise) >=
-             kMinZncc;
-    case MotionLikelihood::kUnlikely:
-      break;
-  }
-  return false;
+  const MotionLikelihood motion =
+      LikelihoodOfMotion(path, last, frame, placed.world_from_camera, kFastHand);
+  return motion != MotionLikelihood::kUnlikely &&
+         alignment::PatchZncc(
+             *reference.pyramid, *frame.pyramid, found.i_from_j, options.pyramid.noise) >= kMinZncc;
 }
 
 bool IsAcceptable(const PathSoFar& path,
@@ -115,7 +109,7 @@ bool IsAcceptable(const PathSoFar& path,
     case MotionLikelihood::kUnlikely:
       break;
   }
-  return IsConfident(found) && looks_like_it(kMinZnccFar) && !violates(kMaxViolationFar);
+  return IsConfident(found) && looks_like_it(kMinZnccFar) && !violates(MaxViolationFar(found));
 }
 
 }  // namespace deepslam::tracking

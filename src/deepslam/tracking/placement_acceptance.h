@@ -8,8 +8,11 @@
 namespace deepslam::tracking {
 
 // Share of free space that keyframes and a frame may violate where no hand would have carried the
-// camera, and where sub-trajectories are joined.
-inline constexpr double kMaxViolationFar = 0.01;
+// camera, and where sub-trajectories are joined: more where images correlate as at no wrong place,
+// so that something has moved.
+[[nodiscard]] inline double MaxViolationFar(const alignment::FrameAlignment& found) {
+  return found.intensity_correlation >= kSameImage ? 0.05 : 0.01;
+}
 
 // What fits where the camera was expected is taken for it, whatever has moved: unless it looks like
 // another place as well. Elsewhere most frames fit somehow, so nothing may speak against it; and

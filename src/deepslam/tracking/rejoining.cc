@@ -15,13 +15,17 @@ using alignment::FrameAlignment;
 constexpr double kPassingBy_s = 2;
 
 // Whether keyframes of the frame's sub-trajectory, moved, violate no free space of the earlier one.
-bool Belongs(const PathSoFar& path, const PosedFrame& frame, int earlier, const Pose3& motion) {
+bool Belongs(const PathSoFar& path,
+             const PosedFrame& frame,
+             int earlier,
+             const Pose3& motion,
+             double max_violation) {
   std::vector<PlacedPyramid> moved = path.keyframes.PlacedOf(frame.sub_trajectory);
   for (PlacedPyramid& keyframe : moved)
     keyframe.world_from_camera = motion * keyframe.world_from_camera;
   return FreeSpaceViolation(path.keyframes.PlacedOf(earlier),
                             moved,
-                            path.options.alignment.pyramid.noise) <= kMaxViolationFar;
+                            path.options.alignment.pyramid.noise) <= max_violation;
 }
 
 }  // namespace
@@ -38,7 +42,8 @@ std::optional<Rejoining> FindRejoining(const PathSoFar& path,
     found = alignment::Sharpened(found, *earlier.pyramid, *frame.pyramid, path.options.alignment);
     const Pose3 motion =
         earlier.world_from_camera * found.i_from_j * frame.world_from_camera.Inverse();
-    const bool belongs = Belongs(path, frame, earlier.sub_trajectory, motion);
+    const bool belongs =
+        Belongs(path, frame, earlier.sub_trajectory, motion, MaxViolationFar(found));
     if (!belongs &&
         !IsPassingBy(frame, earlier.sub_trajectory, path.keyframes, sub_trajectories, clock))
       continue;
