@@ -48,7 +48,6 @@ MECHANISMS = {
     "overlapping objects merged": {"loops.merge_overlapping": "false"},
     "robust losses": {"optimize.object_loss": "none", "optimize.loop_loss": "none", "optimize.ground_loss": "none"},
     "edges of objects": {"optimize.use_objects": "false"},
-    "edges of standing objects to the ground": {"optimize.stand_floor_m": "0"},
     "frames moved between keyframes": {"optimize.interpolate_frames": "false"},
     "colours of an object's own segment": {"mesh.colour.segment_only": "false"},
 }

@@ -129,7 +129,7 @@ TEST(Condensed, NodesAreRunsOfKeyframesAndObjectsStay) {
     EXPECT_EQ(edge.kind == EdgeKind::kObject, edge.b >= 11);
   }
   for (const int node : condensed.upright) EXPECT_GE(node, 11);
-  EXPECT_EQ(condensed.stands.size(), 4u);
+  EXPECT_EQ(condensed.upright.size(), 4u);
 }
 
 TEST(Condensed, ANodeEndsWhereTrackingWasLost) {

@@ -31,7 +31,6 @@ G2oGraph RandomGraph(double noise) {
                                Plane{Eigen::Vector3d(0, -1, 0.1).normalized(), 1.2},
                                Eigen::Vector3d(3, 2, 1).asDiagonal()});
   graph.upright[20] = 13000;
-  graph.stands[20] = {-0.45, 40000};
   return graph;
 }
 
@@ -44,7 +43,7 @@ TEST(G2o, RoundTripKeepsEveryBit) {
   EXPECT_EQ(read->edges.size(), 7u);
   ASSERT_TRUE(read->plane.has_value());
   EXPECT_EQ(read->plane_edges.size(), 1u);
-  EXPECT_EQ(read->stands.at(20).bottom_m, -0.45);
+  EXPECT_EQ(read->upright.at(20), 13000);
 }
 
 // chi^2 of a file as g2o computes it, from the text alone: error (t; qx qy qz) of z^-1 x_i^-1 x_j
@@ -110,7 +109,7 @@ TEST(G2o, Chi2AgreesWithRotationVectorsForSmallErrors) {
 TEST(G2o, ForeignFilesAreRead) {
   const Result<G2oGraph> read = ParseG2o(
       "# made elsewhere\r\nVERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\r\n\nVERTEX_SE3:QUAT 7 1e0 0 0 0 0 0 2\n"
-      "VERTEX_TRACKXYZ 3 1 2 3\nFIX 0\n"
+      "VERTEX_TRACKXYZ 3 1 2 3\nFIX 0\n#DEEPSLAM_STAND 7 -0.45 20\n#DEEPSLAM_OTHER x\n"
       "EDGE_SE3:QUAT 0 7 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 4 0 0 4 0 4");
   ASSERT_TRUE(read.ok()) << read.error().message;
   EXPECT_EQ(read->fixed, std::vector<int>{0});

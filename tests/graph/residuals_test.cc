@@ -78,7 +78,6 @@ TEST(Residuals, JacobiansAgreeWithNumericOnes) {
         GroundTangentBasis(plane.normal), 1.2, SqrtInformation<3>(RandomInformation<3>(random))};
     EXPECT_LT((JacobianError<GroundResidual, 3, 7, 4>(ground, BlockOf(a), BlockOf(plane))), 1e-6);
     EXPECT_LT((JacobianError<UprightResidual, 3, 7, 4>({}, BlockOf(a), BlockOf(plane))), 1e-6);
-    EXPECT_LT((JacobianError<StandResidual, 1, 7, 4>({-0.4}, BlockOf(a), BlockOf(plane))), 1e-6);
   }
 }
 
@@ -107,8 +106,6 @@ TEST(Residuals, JacobiansAgreeWithNumericOnesFarFromTheOrigin) {
                   BlockOf(plane))),
               kRelative * kArm_m);
     EXPECT_LT((JacobianError<UprightResidual, 3, 7, 4>({}, BlockOf(a), BlockOf(plane))), kRelative);
-    EXPECT_LT((JacobianError<StandResidual, 1, 7, 4>({-0.4}, BlockOf(a), BlockOf(plane))),
-              kRelative * kArm_m);
   }
 }
 
@@ -128,16 +125,12 @@ TEST(Residuals, AllAreZeroAtTheTruth) {
         BlockOf(a).data(), BlockOf(plane).data(), ground.data());
     EXPECT_LT(ground.norm(), 1e-12);
     // An object upright on the plane, at any yaw.
-    const Pose3 standing{
-        ShortestRotation(Eigen::Vector3d::UnitZ(), plane.normal) *
-            Eigen::AngleAxisd(random.Uniform(-3, 3), Eigen::Vector3d::UnitZ()),
-        a.translation_m - (plane.SignedDistance(a.translation_m) - 0.4) * plane.normal};
+    const Pose3 standing{ShortestRotation(Eigen::Vector3d::UnitZ(), plane.normal) *
+                             Eigen::AngleAxisd(random.Uniform(-3, 3), Eigen::Vector3d::UnitZ()),
+                         a.translation_m};
     Eigen::Vector3d upright;
     UprightResidual()(BlockOf(standing).data(), BlockOf(plane).data(), upright.data());
     EXPECT_LT(upright.norm(), 1e-12);
-    double stand = 1;
-    StandResidual{-0.4}(BlockOf(standing).data(), BlockOf(plane).data(), &stand);
-    EXPECT_LT(std::abs(stand), 1e-12);
   }
 }
 

@@ -137,10 +137,6 @@ class Condenser {
     for (const WallEdge& edge : model_.wall_edges)
       condensed_.wall_edges.push_back({edge.wall, Carried(edge.view)});
     for (const int node : model_.upright) condensed_.upright.push_back(NodeOf(node));
-    for (StandEdge edge : model_.stands) {
-      edge.node = NodeOf(edge.node);
-      condensed_.stands.push_back(edge);
-    }
     condensed_.objects = std::move(model_.objects);
     condensed_.plane = model_.plane;
     condensed_.not_standing = std::move(model_.not_standing);

@@ -75,13 +75,6 @@ void WriteTermsOfTheGround(const G2oGraph& graph, std::string& text) {
     Append(text, information);
     text += '\n';
   }
-  for (const auto& [id, stand] : graph.stands) {
-    text += "#DEEPSLAM_STAND";
-    Append(text, id);
-    Append(text, stand.bottom_m);
-    Append(text, stand.information);
-    text += '\n';
-  }
 }
 
 // Numbers of one line, with the first fault remembered.
@@ -195,13 +188,6 @@ std::string ReadGroundTerm(std::span<const std::string_view> words, G2oGraph& gr
     LineReader reader(rest, 2);
     const int id = reader.Int();
     graph.upright[id] = reader.Double();
-    return reader.fault();
-  }
-  if (tag == "#DEEPSLAM_STAND") {
-    LineReader reader(rest, 3);
-    const int id = reader.Int();
-    const double bottom_m = reader.Double();
-    graph.stands[id] = {bottom_m, reader.Double()};
     return reader.fault();
   }
   return {};

@@ -14,7 +14,6 @@
 //   #DEEPSLAM_PLANE nx ny nz d
 //   #DEEPSLAM_EDGE_PLANE i nx ny nz d  I11 I12 I13 I22 I23 I33
 //   #DEEPSLAM_UPRIGHT id information
-//   #DEEPSLAM_STAND id bottom_m information
 #pragma once
 
 #include <map>
@@ -44,11 +43,6 @@ struct G2oPlaneEdge {
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
 };
 
-struct G2oStand {
-  double bottom_m = 0;
-  double information = 0;
-};
-
 struct G2oGraph {
   std::map<int, Pose3> vertices;
   std::vector<G2oEdge> edges;
@@ -56,7 +50,6 @@ struct G2oGraph {
   std::optional<Plane> plane;
   std::vector<G2oPlaneEdge> plane_edges;
   std::map<int, double> upright;
-  std::map<int, G2oStand> stands;
 };
 
 // Numbers are the shortest text that reads back as the same double.

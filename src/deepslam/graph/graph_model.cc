@@ -115,8 +115,7 @@ class PathEdges {
 
 class ModelBuilder {
  public:
-  ModelBuilder(const Odometry& odometry, const GraphOptions& options)
-      : odometry_(odometry), options_(options) {
+  explicit ModelBuilder(const Odometry& odometry) : odometry_(odometry) {
     model_.keyframes = odometry.keyframes;
     model_.blend_from = odometry.keyframes;
     for (const FrameIdx keyframe : odometry.keyframes) {
@@ -219,15 +218,8 @@ class ModelBuilder {
       if (is_known && foot->second.supports.RestsElsewhere(gap_m, GraphOptions::kStandMaxGap_m))
         continue;
       model_.upright.push_back(node);
-      if (options_.stand_floor_m <= 0 || !is_known) continue;
-      if (std::abs(gap_m) > GraphOptions::kStandMaxGap_m) {
+      if (is_known && std::abs(gap_m) > GraphOptions::kStandMaxGap_m)
         model_.not_standing.push_back(id);
-        continue;
-      }
-      // The model's error is common to all views of the object, so it must not win by their number.
-      const double views = static_cast<double>(edges_of_object_[k].size());
-      model_.stands.push_back(
-          {node, foot->second.bottom_m, views / (options_.stand_floor_m * options_.stand_floor_m)});
     }
   }
 
@@ -296,7 +288,6 @@ class ModelBuilder {
   }
 
   const Odometry& odometry_;
-  const GraphOptions& options_;
   GraphModel model_;
   std::vector<std::vector<PoseEdge>> edges_of_object_;  // per object node
 };
@@ -336,7 +327,7 @@ Result<GraphModel> BuildGraphModel(const Odometry& odometry,
                                    const GraphSurroundings& surroundings) {
   if (const Status status = CheckOdometry(odometry); !status.ok()) return status.error();
   const PathEdges path(odometry, loops, options);
-  ModelBuilder builder(odometry, options);
+  ModelBuilder builder(odometry);
   builder.TieLooseKeyframes(path);
   if (options.use_objects) builder.AddObjects(map);
   builder.AddGround(ground);

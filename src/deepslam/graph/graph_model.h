@@ -33,12 +33,6 @@ struct WallEdge {
   GroundEdge view;
 };
 
-struct StandEdge {
-  int node = 0;
-  double bottom_m = 0;
-  double information = 0;  // 1 / m^2
-};
-
 struct GraphModel {
   std::vector<Pose3> world_from_node;  // keyframes in order, then the objects with usable views
   std::vector<FrameIdx> keyframes;     // that are nodes: all, or those that stand for the others
@@ -53,10 +47,9 @@ struct GraphModel {
   std::vector<Plane> walls;              // tracking world
   std::vector<WallEdge> wall_edges;      // each wall has two at least
   std::vector<int> upright;              // nodes
-  std::vector<StandEdge> stands;
-  std::vector<ObjectId> not_standing;  // bottom known, but too far from the ground
-  int num_bad_edges = 0;               // left out
-  int num_ties = 0;                    // added where no edge reached a keyframe
+  std::vector<ObjectId> not_standing;    // bottom known, but too far from the ground
+  int num_bad_edges = 0;                 // left out
+  int num_ties = 0;                      // added where no edge reached a keyframe
 
   [[nodiscard]] int num_keyframes() const { return static_cast<int>(keyframes.size()); }
 };

@@ -152,9 +152,6 @@ G2oGraph ToG2oGraph(const GraphModel& model, const ObjectMap& map) {
         {id(edge.node), edge.plane_camera, GraphOptions::kLambdaGround * edge.information});
   }
   for (const int node : model.upright) graph.upright[id(node)] = GraphOptions::kLambdaUpright;
-  for (const StandEdge& edge : model.stands) {
-    graph.stands[id(edge.node)] = {edge.bottom_m, edge.information};
-  }
   return graph;
 }
 
@@ -194,11 +191,6 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options) {
   visitor.Field("use_walls",
                 options.use_walls,
                 "walls of the layout enter the graph: one plane in all keyframes that saw it");
-  visitor.Field("stand_floor_m",
-                options.stand_floor_m,
-                {0, 10},
-                "m",
-                "deviation of a standing object's bottom from the ground; 0: no such edges");
   visitor.Field(
       "max_direct_keyframes",
       options.max_direct_keyframes,

@@ -9,10 +9,9 @@
 //   r_pi  = p - [R n_i; d_i - (R n_i)^T t]    x lambda_2    per keyframe that saw the ground
 //   r_po  = n - R (0, 0, 1)^T                 x lambda_3    per object that stands on the ground
 //   loop  = r_ij of a verified loop edge      x lambda_1
-//   stand = height of the model's bottom above the ground   per object that stands on it
 //   r_pw  = r_pi of a wall's plane       x lambda_2, with the ground's loss, per keyframe that saw
 //   it
-// Past the paper: the last two, and robust losses on r_io, r_pi and loop. How r_pi's information is
+// Past the paper: the last, and robust losses on r_io, r_pi and loop. How r_pi's information is
 // carried to the world: residuals.h.
 // t2v is (translation m; rotation vector rad), information in that order.
 //
@@ -102,10 +101,6 @@ struct GraphOptions {
 
   bool use_objects = true;  // r_io and r_po; else objects follow their keyframes
   bool use_walls = false;   // r_pw: a wall is one plane in all keyframes that saw it
-  // Deviation of a standing object's bottom from the ground, per view; 0 = no such edges. Wide,
-  // since the bottom of a model is good to half a voxel however many views there are, and what the
-  // views agree on must not be moved for it.
-  double stand_floor_m = 0.1;
   // Objects whose bottom is seen farther than this from the ground hang, or stand on something.
   static constexpr double kStandMaxGap_m = 0.25;
 
@@ -124,14 +119,13 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options);
 // How an object meets what it rests on.
 struct ObjectFoot {
   double bottom_m = 0;  // lowest z of its model in the metric object frame (negative)
-  // What things of its class rest on. One that rests on furniture or hangs on a wall is not bound
-  // to the ground: neither r_po nor standing.
+  // What things of its class rest on. One that rests on furniture or hangs on a wall has no r_po.
   Supports supports = {};
 };
 
 // What is known beside the measurements along the path.
 struct GraphSurroundings {
-  std::map<ObjectId, ObjectFoot> feet;  // for the standing edges; objects that are missing get none
+  std::map<ObjectId, ObjectFoot> feet;  // objects that are missing count as on the ground
   WallViews walls;                      // along the odometry's path
 };
 

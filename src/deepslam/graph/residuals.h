@@ -103,20 +103,4 @@ struct UprightResidual {
   }
 };
 
-// Height of the model's bottom centre above the ground, n^T x_wo (0, 0, bottom)^T + d. 1 value, m.
-// Not in the paper.
-struct StandResidual {
-  double bottom_m = 0;  // lowest z of the model in the metric object frame
-
-  template <typename T>
-  bool operator()(const T* world_from_object, const T* plane, T* residual) const {
-    using Vec3 = Eigen::Matrix<T, 3, 1>;
-    const Eigen::Map<const Eigen::Quaternion<T>> q(world_from_object);
-    const Eigen::Map<const Vec3> t(world_from_object + 4), n(plane);
-    const Vec3 bottom = q * Vec3(T(0), T(0), T(bottom_m)) + t;
-    residual[0] = n.dot(bottom) + plane[3];
-    return true;
-  }
-};
-
 }  // namespace deepslam::graph

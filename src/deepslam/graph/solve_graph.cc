@@ -154,12 +154,6 @@ Residuals AddGroundEdges(const GraphModel& model,
         Loss("none", width, GraphOptions::kLambdaUpright),
         node);
   }
-  for (const StandEdge& edge : model.stands) {
-    add(new ceres::AutoDiffCostFunction<StandResidual, 1, kPoseSize, 4>(
-            new StandResidual{edge.bottom_m}),
-        Loss("none", width, edge.information),
-        edge.node);
-  }
   return residuals;
 }
 
@@ -246,12 +240,12 @@ ceres::Solver::Summary SolveRound(const GraphModel& model,
   return summary;
 }
 
-enum Term { kIo, kIj, kPi, kPo, kLoopTerm, kStand, kWall, kNumTerms };
+enum Term { kIo, kIj, kPi, kPo, kLoopTerm, kWall, kNumTerms };
 
 // That of walls is there where there are any.
 std::vector<EnergyTerm> EmptyTerms(const GraphModel& model) {
   std::vector<EnergyTerm> terms(model.wall_edges.empty() ? kWall : kNumTerms);
-  const char* const names[kNumTerms] = {"r_io", "r_ij", "r_pi", "r_po", "loop", "stand", "r_pw"};
+  const char* const names[kNumTerms] = {"r_io", "r_ij", "r_pi", "r_po", "loop", "r_pw"};
   for (std::size_t k = 0; k < terms.size(); ++k) terms[k].name = names[k];
   return terms;
 }
@@ -294,11 +288,6 @@ std::vector<EnergyTerm> Energies(const GraphModel& model, Parameters& parameters
     add(kPo,
         GraphOptions::kLambdaUpright *
             SquaredNorm<UprightResidual, 3>({}, parameters.Pose(node), parameters.Plane()));
-  }
-  for (const StandEdge& edge : model.stands) {
-    add(kStand,
-        edge.information * SquaredNorm<StandResidual, 1>(
-                               {edge.bottom_m}, parameters.Pose(edge.node), parameters.Plane()));
   }
   return terms;
 }

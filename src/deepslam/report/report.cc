@@ -168,7 +168,6 @@ std::string_view TermInWords(std::string_view term) {
       {"r_pi", "the floor lies where each frame saw it"},
       {"r_po", "objects are upright on the floor"},
       {"loop", "places seen again are the same places"},
-      {"stand", "objects touch the floor"},
       {"r_pw", "walls are flat wherever they were seen from"}};
   for (const auto& [name, words] : kWords) {
     if (name == term) return words;

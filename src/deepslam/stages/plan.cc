@@ -72,7 +72,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      "track views register select select.refine loops loops.appearance optimize",
      kFrames | kClasses | kChoices,
      RunLoops},
-    {"optimize", 5, "track ground layout loops", "optimize", kFrames | kClasses, RunOptimize},
+    {"optimize", 6, "track ground layout loops", "optimize", kFrames | kClasses, RunOptimize},
     {"mesh",
      3,
      "track ground associate loops optimize",

@@ -205,6 +205,7 @@ void DescribeRetired(std::string_view section, OptionsVisitor& visitor) {
   fixed("optimize", "wall_floor_deg", graph::GraphOptions::kWallFloor_deg);
   fixed("optimize", "loss_width", graph::GraphOptions::kLossWidth);
   fixed("optimize", "stand_max_gap_m", graph::GraphOptions::kStandMaxGap_m);
+  fixed("optimize", "stand_floor_m", 0);
   fixed("optimize", "lambda_ground", graph::GraphOptions::kLambdaGround);
   fixed("optimize", "use_ground", true);
   fixed("optimize", "odometry_loss", graph::GraphOptions().odometry_loss);
