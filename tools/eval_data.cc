@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "console.h"
 #include "deepslam/artifact/json_reader.h"
@@ -215,6 +216,24 @@ Result<MappedObject> ReadMapped(const fs::path& workspace,
   return mapped;
 }
 
+// The truth of another capture lies elsewhere along the way, and what is scored by it looks like a
+// poor map.
+void WarnOfForeignTruth(const fs::path& workspace,
+                        const std::vector<TimedPose>& path,
+                        const fs::path& capture,
+                        double ate_m) {
+  constexpr double kMaxShare = 0.1;  // of the path's extent: one that is not lost keeps far below
+  Eigen::AlignedBox3d extent;
+  for (const TimedPose& pose : path) extent.extend(pose.world_from_camera.translation_m);
+  if (ate_m <= kMaxShare * extent.diagonal().norm()) return;
+  LogWarning(
+      fmt::format("the path of {} is {:.2f} m off that of {}: it is lost, or this is the truth of "
+                  "another capture",
+                  workspace.string(),
+                  ate_m,
+                  capture.string()));
+}
+
 }  // namespace
 
 Result<std::vector<TimedPose>> ReadTum(const fs::path& file) {
@@ -293,6 +312,7 @@ Result<MapResult> ReadMapResult(const fs::path& workspace, const Truth& truth) {
                                     (truth.capture / "groundtruth.txt").string(),
                                     error.error().message));
   result.trajectory = std::move(error).value();
+  WarnOfForeignTruth(workspace, *poses, truth.capture, result.trajectory.ate_m.rmse);
   const fs::path file = workspace / "optimize" / "objects.json";
   const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();

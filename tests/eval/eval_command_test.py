@@ -96,6 +96,13 @@ class Eval(unittest.TestCase):
         self.assertEqual(result["classes"][0]["recall"], 0)
         self.assertIn("pix3d", result["protocols"]["iou"])
 
+    def test_the_truth_of_another_capture_is_told(self):
+        self.assertNotIn("another capture", self.eval()[2])
+        (self.capture / "groundtruth.txt").write_text("".join(f"{t} 0 {-5 * t} {t % 3} 0 0 0 1\n" for t in range(5)))
+        code, _, stderr = self.eval()
+        self.assertEqual(code, 0, stderr)
+        self.assertIn("this is the truth of another capture", stderr)
+
     def test_an_object_no_frame_sees_is_not_asked_for(self):
         (self.capture / "truth/instances/000000.png").write_bytes(png(8, 6, 0))
         code, stdout, stderr = self.eval()

@@ -167,6 +167,9 @@ TEST(TrajectoryError, RefusesWhatCannotBeScored) {
   broken[3].world_from_camera.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(ComputeTrajectoryError(broken, walk, {}).error().message,
               HasSubstr("pose 3 of the estimated"));
+  broken[3].world_from_camera.translation_m.x() = 1e308;  // whose square is not finite
+  EXPECT_THAT(ComputeTrajectoryError(broken, walk, {}).error().message,
+              HasSubstr("more than 1000 km away"));
 }
 
 TEST(TrajectoryError, StraightAndStandingPathsDoNotBreakTheAlignment) {

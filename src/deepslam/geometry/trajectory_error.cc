@@ -34,16 +34,20 @@ ErrorStatistics Statistics(std::vector<double> values) {
   return statistics;
 }
 
+// A pose farther off is in another unit or damaged; squares of errors stay finite below it.
+constexpr double kMaxPositionM = 1e6;
+
 std::optional<Error> Fault(const std::vector<TimedPose>& poses, const std::string& name) {
   if (poses.empty()) return InvalidInput("the " + name + " trajectory holds no poses");
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Pose3& pose = poses[i].world_from_camera;
     if (std::isfinite(poses[i].time_s) && pose.translation_m.allFinite() &&
+        pose.translation_m.cwiseAbs().maxCoeff() <= kMaxPositionM &&
         pose.rotation.coeffs().allFinite() && pose.rotation.norm() > 0.5) {
       continue;
     }
     return InvalidInput("pose " + std::to_string(i) + " of the " + name +
-                        " trajectory is not finite or has no rotation");
+                        " trajectory is not finite, is more than 1000 km away or has no rotation");
   }
   return std::nullopt;
 }
