@@ -17,9 +17,10 @@ constexpr double kMaxDepthM = 5.0;
 constexpr double kThirds = 1.5;
 // Views of a cell from about one place after which another one tells nothing new.
 constexpr int kNumViews = 2;
-// Of a frame's cells. With half, redkitchen's table loses the edges that only masks show, and tables
-// of homes whose tops give no depth their names.
-constexpr double kMinNewShare = 0.3;
+// Of a frame's cells. What stands beside much that is known shows in few of them: with twice as much
+// homes lose one object in thirty and the class of one in twenty; with less next to all keyframes
+// are looked at.
+constexpr double kMinNewShare = 0.15;
 
 std::uint64_t Coordinate(double p_m) {
   constexpr std::int64_t kOrigin = 1 << 15;  // cells: the middle of 16 bits

@@ -36,7 +36,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
     {"ground", 8, "track", "ground", kFrames | kGroundHint, RunGround},
     {"layout", 14, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
-     12,
+     13,
      "track ground",
      "detect detect.network detect.clusters",
      kFrames | kClasses | kDetector,
