@@ -4,10 +4,11 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/geometry/max_position.h"
+
 namespace deepslam::formats {
 namespace {
 
-constexpr double kMaxPositionM = 1e6;        // m: a pose farther off is in another unit or damaged
 constexpr double kRotationTolerance = 0.01;  // of an entry: files written with two decimals pass
 
 }  // namespace

@@ -8,14 +8,12 @@
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/formats/pose_matrix.h"
 #include "deepslam/formats/text_lines.h"
+#include "deepslam/geometry/max_position.h"
 
 namespace deepslam::formats {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Further away than any room; also keeps later arithmetic finite.
-constexpr double kMaxPositionM = 1e6;
 
 std::optional<Pose3> PoseOfSeven(const std::array<double, 16>& numbers, bool w_first) {
   Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);

@@ -14,15 +14,13 @@
 
 #include "deepslam/core/clock_segments.h"
 #include "deepslam/formats/text_lines.h"
+#include "deepslam/geometry/max_position.h"
 
 namespace deepslam::formats {
 namespace {
 
 // Epoch seconds are 1e9; beyond this a number is no time.
 constexpr double kMaxTimeS = 1e11;
-// Further away than any room; also keeps later arithmetic finite.
-constexpr double kMaxPositionM = 1e6;
-
 Result<double> ParseTime(const std::filesystem::path& list, int line, std::string_view field) {
   double value = 0;
   const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), value);

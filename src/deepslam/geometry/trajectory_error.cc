@@ -10,6 +10,7 @@
 
 #include "deepslam/core/angles.h"
 #include "deepslam/core/clock_segments.h"
+#include "deepslam/geometry/max_position.h"
 
 namespace deepslam {
 namespace {
@@ -33,9 +34,6 @@ ErrorStatistics Statistics(std::vector<double> values) {
   statistics.max = values.back();
   return statistics;
 }
-
-// A pose farther off is in another unit or damaged; squares of errors stay finite below it.
-constexpr double kMaxPositionM = 1e6;
 
 std::optional<Error> Fault(const std::vector<TimedPose>& poses, const std::string& name) {
   if (poses.empty()) return InvalidInput("the " + name + " trajectory holds no poses");

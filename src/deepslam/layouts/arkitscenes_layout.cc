@@ -15,6 +15,7 @@
 #include "deepslam/dataset/read_bytes.h"
 #include "deepslam/formats/text_lines.h"
 #include "deepslam/formats/tum_lists.h"
+#include "deepslam/geometry/max_position.h"
 #include "deepslam/layouts/image_folders.h"
 #include "deepslam/layouts/open_files.h"
 
@@ -29,8 +30,6 @@ constexpr int kMinConfidence = 1;    // of 0, 1 and 2 (ARKit's ARConfidenceLevel
 constexpr double kMaxTimeDifferenceS = 0.02;
 // Poses come ten times a second.
 constexpr double kMaxPoseGapS = 0.25;
-// Beyond it a number is damaged, and later arithmetic not finite.
-constexpr double kMaxPositionM = 1e6;
 constexpr std::string_view kPosesName = "lowres_wide.traj";
 
 bool IsPincam(std::string_view name) { return name.ends_with(".pincam"); }

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "deepslam/dataset/read_bytes.h"
+#include "deepslam/geometry/max_position.h"
 #include "deepslam/layouts/image_folders.h"
 #include "deepslam/layouts/open_files.h"
 
@@ -22,8 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// Beyond it a number is damaged, and later arithmetic not finite.
-constexpr double kMaxPositionM = 1e6;
 constexpr double kMaxTimeS = 1e11;  // s since 1970: 3,000 years; what is beyond is no time
 constexpr int kMinConfidence = 1;   // medium
 

@@ -13,6 +13,7 @@
 
 #include "deepslam/dataset/read_bytes.h"
 #include "deepslam/formats/text_lines.h"
+#include "deepslam/geometry/max_position.h"
 #include "deepslam/layouts/image_folders.h"
 #include "deepslam/layouts/open_files.h"
 #include "deepslam/layouts/tum_layout.h"
@@ -25,8 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr double kUnitsPerM = 1000;  // millimetres, as the app writes them
 constexpr int kMinConfidence = 1;    // of 0, 1 and 2 (ARKit's ARConfidenceLevel): medium
-// Beyond it a number is damaged, and later arithmetic not finite.
-constexpr double kMaxPositionM = 1e6;
 constexpr std::array<std::string_view, 3> kVideos = {"rgb.mp4", "rgb.mov", "rgb.m4v"};
 constexpr std::string_view kOdometryName = "odometry.csv";
 constexpr std::string_view kMatrixName = "camera_matrix.csv";

@@ -67,7 +67,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      kFrames | kClasses | kChoices | kPriors,
      RunSelect},
     {"loops",
-     39,
+     40,
      "track ground layout associate propose register select",
      "track views register select select.refine loops loops.appearance optimize",
      kFrames | kClasses | kChoices,

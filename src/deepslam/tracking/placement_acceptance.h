@@ -25,8 +25,8 @@ namespace deepslam::tracking {
                                 const alignment::FrameAlignment& found);
 
 // By points that frame and reference share, where depth is so poor that it cannot bear an alignment
-// out (holes, edges that smear): it lies where they say, fits as far as it is measured, and the
-// camera was expected there; or a hand may have carried it there, and details are alike.
+// out (holes, edges that smear): it lies where they say, fits as far as it is measured, a hand may
+// have carried the camera there, and details are alike.
 [[nodiscard]] bool IsBorneOutByFeatures(const PathSoFar& path,
                                         const PosedFrame& reference,
                                         const PosedFrame& last,
