@@ -220,6 +220,10 @@ Result<synth::SceneDescription> DescribeAsWritten(const SynthRequest& request) {
 
 Result<synth::SceneDescription> DescribeScene(const SynthRequest& request) {
   Result<synth::SceneDescription> scene = DescribeAsWritten(request);
+  for (const std::string& setting : request.settings) {
+    if (!scene) return scene;
+    scene = synth::FilmedWith(*std::move(scene), setting);
+  }
   if (!scene || !request.frames_per_s) return scene;
   return synth::AtFrameRate(*std::move(scene), *request.frames_per_s);
 }

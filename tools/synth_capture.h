@@ -22,6 +22,7 @@ struct SynthRequest {
   std::optional<std::uint64_t> home;   // in place of a scene file: a home made up by this seed
   std::string rung;                    // variant of the scene; empty: as it stands
   std::optional<double> frames_per_s;  // of the same way; nothing: as the scene says
+  std::vector<std::string> settings;   // NAME=VALUE of how it is filmed (synth::FilmedWith)
   std::filesystem::path catalogues;    // folder with *.sh3f: furniture by id
   std::vector<std::filesystem::path> furniture;  // folders with OBJ, glTF and GLB files, by path
   std::filesystem::path out;                     // must not exist, or be empty

@@ -49,6 +49,12 @@ void AddSynth(CLI::App& app, Command& chosen) {
   synth->add_option("--frames-per-s",
                     request->frames_per_s,
                     "Films the same way at this rate in place of the scene's (homes: 10)");
+  synth
+      ->add_option("--field",
+                   request->settings,
+                   "NAME=VALUE of how it is filmed, as camera.preset=d435 or faults.noise_scale=2; "
+                   "may be given again")
+      ->allow_extra_args(false);
   synth->add_option("--catalogues", request->catalogues, "Folder with *.sh3f furniture catalogues")
       ->capture_default_str();
   synth

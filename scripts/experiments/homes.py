@@ -40,8 +40,10 @@ def scored(args, seed):
     workspace = args.work / str(seed)
     log = args.work / f"{seed}.log"
     if not (capture / "truth/objects.json").is_file():
-        rate = ["--frames-per-s", args.frames_per_s] if args.frames_per_s else []
-        call(args, log, "synth", "--home", seed, "-o", capture, *rate)
+        filming = ["--frames-per-s", args.frames_per_s] if args.frames_per_s else []
+        for field in args.field:
+            filming += ["--field", field]
+        call(args, log, "synth", "--home", seed, "-o", capture, *filming)
     seconds = call(args, log, "run", capture, "-o", workspace, "--threads", args.threads, "--progress", "none",
                    *args.run_options)
     result = args.work / f"{seed}.json"
@@ -71,6 +73,8 @@ def main():
     parser.add_argument("--captures", type=pathlib.Path, help="where homes lie as SEED, or are rendered (default: WORK/captures)")
     parser.add_argument("--seeds", default="31-34", help="as 2,31-34 (default: 31-34)")
     parser.add_argument("--frames-per-s", type=float, help="of homes that are rendered (default: 10)")
+    parser.add_argument("--field", action="append", default=[], metavar="NAME=VALUE",
+                        help="of how rendered homes are filmed, as camera.preset=d435 or faults.noise_scale=2; may be given again")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("run_options", nargs="*", metavar="RUN OPTION", help="for `deepslam run`, after --")
     args = parser.parse_args()

@@ -128,6 +128,48 @@ TEST(AtFrameRate, FilmsTheSameTimeAndRefusesWhatIsNoRate) {
   EXPECT_THAT(AtFrameRate(scene, 60).error().message, HasSubstr("slower rate"));
 }
 
+TEST(FilmedWith, ReplacesOneFieldAndKeepsTheRest) {
+  const std::string text =
+      "seed: 3\ncamera: {preset: d435, width: 320, height: 240, fx: 300, fy: 300, cx: 160, cy: "
+      "120}\n"
+      "faults: {noise_scale: 2}\nwalk: {points_m: [[0, 0, 1], [1, 0, 1]]}\n";
+  const Result<SceneDescription> scene = ParseScene(text, "room.yaml");
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  const Result<SceneDescription> holes = FilmedWith(*scene, "faults.missing_share=0.25");
+  ASSERT_TRUE(holes.ok()) << holes.error().message;
+  EXPECT_EQ(holes->faults.missing_share, 0.25);
+  EXPECT_EQ(holes->faults.noise_scale, 2);
+  EXPECT_EQ(holes->camera.fx, 300);
+  EXPECT_EQ(holes->sensor.name, "d435");
+  EXPECT_EQ(holes->sensor.lateral_px, scene->sensor.lateral_px);
+  const Result<SceneDescription> phone = FilmedWith(*scene, "camera.preset=phone_lidar");
+  ASSERT_TRUE(phone.ok()) << phone.error().message;
+  EXPECT_EQ(phone->sensor.name, "phone_lidar");
+  EXPECT_EQ(phone->camera.width, DepthSensorPreset("phone_lidar")->camera.width);
+  EXPECT_EQ(phone->faults.noise_scale, 2);
+  const Result<SceneDescription> other = FilmedWith(*scene, "walk.points_m=[[0, 0, 2], [0, 1, 2]]");
+  ASSERT_TRUE(other.ok()) << other.error().message;
+  ASSERT_EQ(other->walk.points_m.size(), 2u);
+  EXPECT_EQ(other->walk.points_m[1].z(), 2);
+}
+
+TEST(FilmedWith, RefusesByOptionAndField) {
+  const auto refusal = [](const std::string& setting) {
+    const Result<SceneDescription> scene = FilmedWith({}, setting);
+    return scene.ok() ? "" : scene.error().message;
+  };
+  EXPECT_THAT(refusal("camera.preset=d453"), HasSubstr("did you mean d435"));
+  EXPECT_THAT(refusal("camera.preset=d453"), HasSubstr("--field camera.preset=d453: field"));
+  EXPECT_THAT(refusal("faults.noise_scale=-1"), HasSubstr("'faults.noise_scale' is '-1'"));
+  EXPECT_THAT(refusal("faults.noise=1"), HasSubstr("'faults.noise' is unknown"));
+  EXPECT_THAT(refusal("objects=[]"), HasSubstr("'objects' is unknown"));
+  EXPECT_THAT(refusal("faults=1"), HasSubstr("'faults' is not a table"));
+  EXPECT_THAT(refusal("walk.points_m=[[0, 0, 1]]"), HasSubstr("two or more"));
+  for (const char* broken : {"", "=", "=1", "faults", "faults.rim", ".=1", "a..b=1", "faults.=1"})
+    EXPECT_NE(refusal(broken), "") << broken;
+  EXPECT_THAT(refusal("faults.rim=[1"), HasSubstr("not valid YAML"));
+}
+
 TEST(ParseScene, RefusesByFileLineAndField) {
   EXPECT_THAT(Refusal(""), HasSubstr("room.yaml: holds no scene"));
   EXPECT_THAT(Refusal("frames: [1"), AllOf(HasSubstr("room.yaml:"), HasSubstr("not valid YAML")));

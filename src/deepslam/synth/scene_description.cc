@@ -35,9 +35,11 @@ DepthSensor SeenByWidth(DepthSensor sensor, int width) {
 }
 
 void ReadCamera(SceneTable camera, SceneDescription& scene) {
-  std::string preset = "kinect_v1";
+  std::string preset = scene.sensor.name;
   camera.Text("preset", preset, false);
+  PinholeCamera& value = scene.camera;
   if (const std::optional<DepthSensor> sensor = DepthSensorPreset(preset)) {
+    if (preset != scene.sensor.name) value = sensor->camera;
     scene.sensor = *sensor;
   } else {
     const std::vector<std::string> known = DepthSensorPresetNames();
@@ -48,8 +50,6 @@ void ReadCamera(SceneTable camera, SceneDescription& scene) {
                             NearestOf(preset, known),
                             fmt::join(known, ", ")));
   }
-  PinholeCamera& value = scene.camera;
-  value = scene.sensor.camera;
   camera.Number("width", value.width, 16, kMaxRenderedSidePx);
   camera.Number("height", value.height, 16, kMaxRenderedSidePx);
   camera.Number("fx", value.fx, 0.05 * value.width, 50.0 * value.width);
@@ -224,23 +224,44 @@ void ReadLists(SceneTable& root, SceneDescription& scene) {
   clutter.RefuseOthers();
 }
 
-SceneDescription ReadScene(SceneTable root) {
-  SceneDescription scene;
-  int seed = 1;
-  root.Number("seed", seed, 0, 2'000'000'000);
-  scene.seed = static_cast<std::uint64_t>(seed);
+// How the scene is filmed, whatever stands in it.
+void ReadFilming(SceneTable& root, SceneDescription& scene) {
   root.Number("frames", scene.num_frames, 1, kMaxSceneFrames);
   root.Number("frames_per_s", scene.frames_per_s, kLeastFrames_per_s, kMostFrames_per_s);
   root.Number("depth_units_per_m", scene.depth_units_per_m, 1, 10'000);
   ReadCamera(root.Sub("camera"), scene);
-  ReadRoom(root.Sub("room"), scene);
   ReadOrbit(root.Sub("orbit"), scene.orbit);
-  ReadLists(root, scene);
-  (void)root.Sub("rungs");
   ReadWalk(root.Sub("walk"), scene.walk);
   ReadFaults(root.Sub("faults"), scene.faults);
+}
+
+SceneDescription ReadScene(SceneTable root) {
+  SceneDescription scene;
+  scene.camera = scene.sensor.camera;
+  int seed = 1;
+  root.Number("seed", seed, 0, 2'000'000'000);
+  scene.seed = static_cast<std::uint64_t>(seed);
+  ReadFilming(root, scene);
+  ReadRoom(root.Sub("room"), scene);
+  ReadLists(root, scene);
+  (void)root.Sub("rungs");
   root.RefuseOthers();
   return scene;
+}
+
+// NAME=VALUE as a table of tables; the name's parts are their fields.
+YAML::Node TableOf(const std::string& setting, std::size_t equals) {
+  YAML::Node node = YAML::Load(setting.substr(equals + 1));
+  std::size_t end = equals;
+  while (end != std::string::npos) {
+    const std::size_t dot = end == 0 ? std::string::npos : setting.rfind('.', end - 1);
+    const std::size_t begin = dot == std::string::npos ? 0 : dot + 1;
+    YAML::Node table;
+    table[setting.substr(begin, end - begin)] = node;
+    node.reset(table);
+    end = dot;
+  }
+  return node;
 }
 
 // Fields of `over` replace those of `base`, tables field by field. In place, since copies of nodes
@@ -304,6 +325,23 @@ Result<SceneDescription> AtFrameRate(SceneDescription scene, double frames_per_s
   scene.num_frames = std::max(1, static_cast<int>(num_frames));
   scene.frames_per_s = frames_per_s;
   return scene;
+}
+
+Result<SceneDescription> FilmedWith(SceneDescription scene, const std::string& setting) {
+  const std::string option = "--field " + setting;
+  const std::size_t equals = setting.find('=');
+  if (equals == std::string::npos || equals == 0)
+    return InvalidConfig(option + ": expected NAME=VALUE, as in camera.preset=d435");
+  try {
+    std::optional<Error> fault;
+    SceneTable root(TableOf(setting, equals), {}, "", fault);
+    ReadFilming(root, scene);
+    root.RefuseOthers();
+    if (fault) return InvalidConfig(option + ": " + fault->message);
+    return scene;
+  } catch (const YAML::Exception& fault) {
+    return InvalidConfig(fmt::format("{}: not valid YAML ({})", option, fault.msg));
+  }
 }
 
 SensorFaults SensorFaults::None() {

@@ -144,6 +144,12 @@ struct SceneDescription {
 // rate or gives more frames than a scene may have.
 Result<SceneDescription> AtFrameRate(SceneDescription scene, double frames_per_s);
 
+// The scene with one field of how it is filmed replaced: `camera.preset=d435`,
+// `faults.noise_scale=4`, fields of camera, faults, orbit and walk and the numbers beside them, as
+// scene files name them. What stands in the scene stays. Errors name the field and what is
+// expected.
+Result<SceneDescription> FilmedWith(SceneDescription scene, const std::string& setting);
+
 // Reads the text of a scene file; errors name file, line, field and what is expected. Unknown
 // fields are errors. A scene may hold `rungs: {NAME: {...}}`, variants of itself: the fields of the
 // rung named `rung` replace the scene's (tables field by field, lists whole). Empty: the scene as

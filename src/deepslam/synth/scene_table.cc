@@ -88,6 +88,7 @@ void SceneTable::Points(const std::string& name, std::vector<Eigen::Vector3d>& v
     Fail(node, Path(name), fmt::format("is not a list of at most {} points", kMaxListedPoints));
     return;
   }
+  value.clear();
   for (std::size_t i = 0; i < node.size(); ++i) {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -137,6 +138,10 @@ int SceneTable::line() const { return node_->Mark().is_null() ? 0 : node_->Mark(
 
 void SceneTable::Fail(const YAML::Node& node, const std::string& field, const std::string& what) {
   if (*fault_) return;
+  if (file_.empty()) {
+    *fault_ = InvalidConfig(fmt::format("field '{}' {}", field, what));
+    return;
+  }
   const bool has_line = node.IsDefined() && !node.Mark().is_null();
   const std::string place =
       has_line ? fmt::format("{}:{}", file_.string(), node.Mark().line + 1) : file_.string();

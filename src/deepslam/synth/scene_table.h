@@ -26,6 +26,7 @@ namespace deepslam::synth {
 // as they are where the file does not give them.
 class SceneTable {
  public:
+  // Without a file, faults name the field alone.
   SceneTable(const YAML::Node& node,
              const std::filesystem::path& file,
              std::string path,
