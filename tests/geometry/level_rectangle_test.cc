@@ -46,5 +46,20 @@ TEST(LevelRectangle, SharedAreaIsTheShareOfPointsInBoth) {
   }
 }
 
+TEST(HullAlong, HoldsBothAlongTheAxesOfTheFirst) {
+  const LevelRectangle a{{1, 2}, 0.3, 0.8, 0.2};
+  const LevelRectangle same = HullAlong(a, a);
+  EXPECT_NEAR((same.centre_m - a.centre_m).norm(), 0, 1e-12);
+  EXPECT_NEAR(same.area_m2(), a.area_m2(), 1e-12);
+  const LevelRectangle b{{2, 2.5}, 0.3 + std::numbers::pi / 2, 0.2, 0.6};
+  const LevelRectangle hull = HullAlong(a, b);
+  EXPECT_EQ(hull.yaw_rad, a.yaw_rad);
+  EXPECT_NEAR(SharedArea(hull, a), a.area_m2(), 1e-9);
+  EXPECT_NEAR(SharedArea(hull, b), b.area_m2(), 1e-9);
+  const Eigen::Vector2d apart = Eigen::Rotation2Dd(-0.3) * (b.centre_m - a.centre_m);
+  EXPECT_NEAR(hull.length_m, 0.7 + apart.x(), 1e-9);
+  EXPECT_NEAR(hull.width_m, 0.2 + apart.y(), 1e-9);
+}
+
 }  // namespace
 }  // namespace deepslam

@@ -111,6 +111,29 @@ TEST(WholesOf, BoardsAboveOneAnotherAreARack) {
   EXPECT_THAT(WholesOf(std::vector{low, named}), ElementsAre(0, 1));
 }
 
+TEST(WholesOf, OverlappingEndsOfOneRowAreOneThing) {
+  const Instance left = Thing("cabinet", false, {0, 0, 0, 0.52}, {0.85, 0.16});
+  const Instance right = Thing("furniture", false, {0.55, 0.01, 0.05, 0.53}, {0.85, 0.15});
+  EXPECT_THAT(WholesOf(std::vector{left, right}), ElementsAre(0, 0));
+  EXPECT_THAT(WholesOf(std::vector{right, left}), ElementsAre(0, 0));
+  // Beside one another, of another height, before one another, round a corner: two things each.
+  EXPECT_THAT(
+      WholesOf(std::vector{left, Thing("cabinet", false, {0.83, 0, 0, 0.52}, {0.85, 0.16})}),
+      ElementsAre(0, 1));
+  EXPECT_THAT(WholesOf(std::vector{left, Thing("cabinet", false, {0.55, 0, 0, 0.7}, {0.85, 0.16})}),
+              ElementsAre(0, 1));
+  EXPECT_THAT(
+      WholesOf(std::vector{left, Thing("cabinet", false, {0.55, 0.1, 0, 0.52}, {0.85, 0.16})}),
+      ElementsAre(0, 1));
+  EXPECT_THAT(WholesOf(std::vector{Thing("cabinet", false, {0, 0, 0, 0.9}, {2.4, 0.6}),
+                                   Thing("cabinet", false, {0.9, 0.7, 0, 0.9}, {0.6, 2.0})}),
+              ElementsAre(0, 1));
+  // Chairs pushed together are named.
+  EXPECT_THAT(WholesOf(std::vector{Thing("chair", true, {0, 0, 0, 0.9}, {0.5, 0.5}),
+                                   Thing("chair", true, {0.35, 0, 0, 0.9}, {0.5, 0.5})}),
+              ElementsAre(0, 1));
+}
+
 TEST(WholesOf, SeveralPartsHaveTheFirstForTheirWhole) {
   const auto part = [](double bottom_m) {
     return Thing("cabinet", false, {0, 0, bottom_m, bottom_m + 0.1}, {0.9, 0.3});
@@ -138,6 +161,39 @@ ClassTable Stands() {
       {"table", {"table"}, {}, 0.4, 4, 0.3, 1.2, {}, {.support_plane = true, .yaw_free = true}},
       {"tv", {"tv"}, {}, 0.4, 2, 0.2, 1.4, {}, {.supports = {.floor = false}}}};
   return table;
+}
+
+TEST(RestsOf, WhatIsShorterThanAnySofaIsOfTheOneBesideIt) {
+  ClassTable classes = Stands();
+  classes.classes.push_back(
+      {"sofa", {"couch"}, {}, 0.7, 3.6, 0.5, 1.3, {}, {.solid_inside = true}});
+  classes.classes.push_back({"chair", {"chair"}, {}, 0.45, 1.5, 0.4, 1.4, {}, {}});
+  const Instance sofa = Thing("sofa", true, {0, 0, 0, 0.83}, {1.58, 0.9});
+  const Instance arm = Thing("sofa", true, {1.0, 0.2, 0, 0.5}, {0.08, 0.36});
+  EXPECT_THAT(RestsOf(std::vector{sofa, arm}, classes), ElementsAre(-1, 0));
+  EXPECT_THAT(RestsOf(std::vector{arm, sofa}, classes), ElementsAre(1, -1));
+  // Far off, of another class, a sofa of its own, unnamed, beside a sofa of full length.
+  const auto none = ElementsAre(-1, -1);
+  EXPECT_THAT(
+      RestsOf(std::vector{sofa, Thing("sofa", true, {1.4, 0, 0, 0.5}, {0.08, 0.36})}, classes),
+      none);
+  EXPECT_THAT(
+      RestsOf(std::vector{sofa, Thing("chair", true, {1, 0, 0, 0.5}, {0.08, 0.36})}, classes),
+      none);
+  EXPECT_THAT(
+      RestsOf(std::vector{sofa, Thing("sofa", true, {1.3, 0, 0, 0.8}, {0.8, 0.8})}, classes), none);
+  EXPECT_THAT(
+      RestsOf(std::vector{sofa, Thing("sofa", false, {1, 0, 0, 0.5}, {0.08, 0.36})}, classes),
+      none);
+  EXPECT_THAT(RestsOf(std::vector{Thing("sofa", true, {0, 0, 0, 0.83}, {3.5, 0.9}),
+                                  Thing("sofa", true, {1.95, 0, 0, 0.5}, {0.08, 0.36})},
+                      classes),
+              none);
+  // Backs of chairs beside one another are of two chairs.
+  EXPECT_THAT(RestsOf(std::vector{Thing("chair", true, {0, 0, 0, 0.9}, {0.5, 0.5}),
+                                  Thing("chair", true, {0.5, 0, 0.5, 0.9}, {0.05, 0.4})},
+                      classes),
+              none);
 }
 
 TEST(CarriedByFeet, APedestalIsOfTheBasinOnIt) {

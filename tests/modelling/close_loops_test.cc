@@ -244,6 +244,31 @@ TEST(CloseLoops, ASplitTrackThatNoLoopJoinsIsWholeAgain) {
   EXPECT_THAT(closed->made.candidates, IsEmpty());
 }
 
+// Appearance moved the path, so that the object was completed anew before its track was split.
+TEST(CloseLoops, WhatIsWholeAgainKeepsTheModelThatWasMadeForIt) {
+  ReobservedRoom room(Yawed(0.30, -0.20, 0.03));
+  const Result<Selection> selection = room.Select({});
+  ASSERT_TRUE(selection.ok());
+  for (const auto& [key, grid] : selection->made.models) room.models.grids.emplace(key, grid);
+  const FrameViews views = room.Views();
+  const ObjectSources sources{views, room.models, room.prepared, room.progress};
+  MapWithLoops before = MapOf(room, *selection);
+  for (std::size_t k = kSecondTraversal; k < before.odometry.frames.size(); ++k)
+    before.odometry.frames[k].world_from_camera.translation_m.x() -= 0.15;
+  loop::LoopOptions loops;
+  loops.min_room_points = 1000000;
+  graph::GraphOptions graph;
+  graph.use_objects = false;  // the path stays where appearance moved it
+  const Result<ClosedMap> closed =
+      CloseLoops(std::move(before), {sources, {}, ObjectOptions(), loops, graph});
+  ASSERT_TRUE(closed.ok()) << closed.error().message;
+  ASSERT_EQ(closed->loops.tracklets.size(), 2U);
+  ASSERT_THAT(closed->loops.merges, IsEmpty());
+  const MapObject& whole = closed->map.objects.front();
+  EXPECT_THAT(whole.model, HasSubstr("closed_"));
+  EXPECT_TRUE(closed->made.models.contains(whole.model)) << whole.model;
+}
+
 TEST(CloseLoops, ATrackThatStandsTogetherIsNotSplit) {
   ReobservedRoom room({});
   const Result<ClosedMap> closed = Close(room);

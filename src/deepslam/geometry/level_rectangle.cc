@@ -68,4 +68,14 @@ double SharedArea(const LevelRectangle& a, const LevelRectangle& b) {
   return std::max(0.0, AreaOf(shared));
 }
 
+LevelRectangle HullAlong(const LevelRectangle& a, const LevelRectangle& b) {
+  const Eigen::Rotation2Dd world_from_a(a.yaw_rad);
+  Eigen::AlignedBox2d box;
+  for (const LevelRectangle& part : {a, b}) {
+    for (const Eigen::Vector2d& corner : CornersOf(part))
+      box.extend(world_from_a.inverse() * corner);
+  }
+  return {world_from_a * box.center(), a.yaw_rad, box.sizes().x(), box.sizes().y()};
+}
+
 }  // namespace deepslam

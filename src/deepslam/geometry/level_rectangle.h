@@ -18,4 +18,7 @@ struct LevelRectangle {
 // Area that both cover, m2.
 [[nodiscard]] double SharedArea(const LevelRectangle& a, const LevelRectangle& b);
 
+// The least rectangle along the axes of `a` that holds both.
+[[nodiscard]] LevelRectangle HullAlong(const LevelRectangle& a, const LevelRectangle& b);
+
 }  // namespace deepslam

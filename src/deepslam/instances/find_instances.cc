@@ -242,17 +242,19 @@ void CutFurniture(const Context& context, std::vector<Instance>& instances) {
   }
 }
 
-// Feet become part of what they carry, which keeps its name: detections of a basin say nothing of
-// its pedestal.
-void TakeFeet(const Context& context, std::vector<Instance>& instances) {
-  const std::vector<int> carried = CarriedByFeet(instances, context.classes);
+// Parts go over to their things, which keep their names: detections of a basin say nothing of its
+// pedestal. `part`: what they are of them, "foot".
+void GiveAway(const Context& context,
+              const std::vector<int>& thing_of,
+              const std::string& part,
+              std::vector<Instance>& instances) {
   for (std::size_t i = 0; i < instances.size(); ++i) {
-    if (carried[i] < 0) continue;
-    Instance& foot = instances[i];
-    Instance& thing = instances[static_cast<std::size_t>(carried[i])];
-    AddElements(context, foot.elements, thing);
-    foot.elements.clear();
-    foot.rejection = "the foot of a " + thing.class_name;
+    if (thing_of[i] < 0) continue;
+    Instance& given = instances[i];
+    Instance& thing = instances[static_cast<std::size_t>(thing_of[i])];
+    AddElements(context, given.elements, thing);
+    given.elements.clear();
+    given.rejection = "the " + part + " of a " + thing.class_name;
     thing.rejection = TooLittle(thing, context.elements.voxel_m(), context.options);
   }
 }
@@ -339,7 +341,8 @@ Instances FindInstances(const SurfaceElements& elements,
   while (JoinParts(WholesOf(instances), thing_of_superpoint))
     instances = Assemble(context, thing_of_superpoint);
   CutFurniture(context, instances);
-  TakeFeet(context, instances);
+  GiveAway(context, CarriedByFeet(instances, context.classes), "foot", instances);
+  GiveAway(context, RestsOf(instances, context.classes), "rest", instances);
   RejectCarried(instances);
   for (Instance& instance : instances) {
     if (instance.has_support_plane) instance.top_m = SupportHeight(instance.elements, elements);

@@ -15,6 +15,11 @@ constexpr double kMinSharedVolume = 0.5;  // of the smaller box
 // Of what both outlines cover: a thing on another, or a wall cabinet above a counter, is smaller
 // than what it stands on or above.
 constexpr double kMinOutlineIou = 0.6;
+// Closed things do not stand in one another: two that begin and end alike, share more than this of
+// the smaller and fill one rectangle between them are parts of one thing. Fronts are measured to
+// 2 cm, of 0.5 m and more.
+constexpr double kMinSharedEnd = 0.2;
+constexpr double kMinFilledHull = 0.8;
 constexpr double kMaxGapM = 0.45;  // between the boards of a rack or the planks of a console table
 constexpr double kBoardDepthM = 0.1;  // pictures are flatter, racks for anything but spices deeper
 // A chair's back stands on the edge of its seat or leans out over it.
@@ -142,6 +147,23 @@ bool IsSeatOf(const Instance& seat, const Instance& back, const ClassTable& clas
   return SharedArea(OutlineOf(own, kHiddenSeatM), rail) > kFootShare * rail.area_m2();
 }
 
+// A named part of a closed thing, shorter than any whole of its class, beside a whole one: between
+// them lies what gave no depth, as on dark covers.
+bool IsRestOf(const Instance& rest, const Instance& thing, const ClassTable& classes) {
+  const ObjectClass* object_class = classes.Find(thing.class_name);
+  if (!rest.is_named || !thing.is_named || rest.class_name != thing.class_name ||
+      !thing.rejection.empty() || object_class == nullptr || !object_class->traits.solid_inside)
+    return false;
+  const UprightBox& part = rest.box_level;
+  const UprightBox& whole = thing.box_level;
+  if (std::max(part.long_side_m(), part.height_m()) >= object_class->min_size_m ||
+      whole.long_side_m() < object_class->min_size_m || SharedHeight(part, whole) <= 0 ||
+      SharedArea(OutlineOf(whole, kMaxGapOfNamedM), ThickOutlineOf(part)) <= 0)
+    return false;
+  const LevelRectangle both = HullAlong(ThickOutlineOf(whole), ThickOutlineOf(part));
+  return std::max(both.length_m, both.width_m) <= object_class->max_size_m;
+}
+
 bool AreBoards(const Instance& a, const Instance& b) {
   const UprightBox& box_a = a.box_level;
   const UprightBox& box_b = b.box_level;
@@ -154,6 +176,23 @@ bool AreBoards(const Instance& a, const Instance& b) {
   return shared_m2 > kMinOutlineIou * all_m2;
 }
 
+// Two that nothing names, overlapping ends of one closed thing, as the doors of a cabinet with what
+// was seen of the open part between them.
+bool AreEnds(const Instance& a, const Instance& b) {
+  const UprightBox& box_a = a.box_level;
+  const UprightBox& box_b = b.box_level;
+  if (a.is_named || b.is_named || std::abs(box_a.top_m - box_b.top_m) > kEdgeM ||
+      std::abs(box_a.bottom_m - box_b.bottom_m) > kOnFloorM)
+    return false;
+  LevelRectangle larger = OutlineOf(box_a, kFlatM);
+  LevelRectangle smaller = OutlineOf(box_b, kFlatM);
+  if (larger.area_m2() < smaller.area_m2()) std::swap(larger, smaller);
+  const double shared_m2 = SharedArea(larger, smaller);
+  const double filled_m2 = larger.area_m2() + smaller.area_m2() - shared_m2;
+  return shared_m2 > kMinSharedEnd * smaller.area_m2() &&
+         filled_m2 > kMinFilledHull * HullAlong(larger, smaller).area_m2();
+}
+
 bool AreOneThing(const Instance& a, const Instance& b) {
   if (Carries(a, b) || Carries(b, a) || AreBoards(a, b)) return true;
   const bool may_be_alike = a.class_name == b.class_name || (!a.is_named && !b.is_named);
@@ -163,6 +202,7 @@ bool AreOneThing(const Instance& a, const Instance& b) {
   const double shared_m2 = SharedArea(ThickOutlineOf(box_a), ThickOutlineOf(box_b));
   const double height_m = SharedHeight(box_a, box_b);
   if (height_m * shared_m2 > kMinSharedVolume * std::min(Volume(box_a), Volume(box_b))) return true;
+  if (AreEnds(a, b)) return true;
   return a.is_named && b.is_named && height_m > -kMaxGapOfNamedM && LiesOver(box_a, box_b);
 }
 
@@ -190,6 +230,16 @@ std::vector<int> CarriedByFeet(std::span<const Instance> instances, const ClassT
     if (thing != instances.end()) carried[i] = static_cast<int>(thing - instances.begin());
   }
   return carried;
+}
+
+std::vector<int> RestsOf(std::span<const Instance> instances, const ClassTable& classes) {
+  std::vector<int> whole_of(instances.size(), -1);
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const auto thing = std::ranges::find_if(
+        instances, [&](const Instance& other) { return IsRestOf(instances[i], other, classes); });
+    if (thing != instances.end()) whole_of[i] = static_cast<int>(thing - instances.begin());
+  }
+  return whole_of;
 }
 
 }  // namespace deepslam::instances

@@ -14,6 +14,8 @@ namespace deepslam::instances {
 // names, since their classes are guesses by size,
 //  - whose boxes share more than half of the smaller one;
 //  - that detections name and one of which lies over the other, as the back of a chair on its seat;
+//  - that nothing names, begin and end alike, overlap and fill one outline between them, as the
+//    ends of a cabinet do;
 //  - that nothing names and that stand one above the other on the same outline, as the boards of a
 //    rack do.
 // Instances that are rejected are nobody's part, but for such boards, each of which may be too
@@ -30,5 +32,11 @@ namespace deepslam::instances {
 // goes with the back of a chair that detections name, however little was seen of that.
 [[nodiscard]] std::vector<int> CarriedByFeet(std::span<const Instance> instances,
                                              const ClassTable& classes);
+
+// Of each instance the position of the thing that it is the rest of; -1: of none. A rest is shorter
+// than any thing of its class, which is closed, as sofas and beds are, and stands within 0.3 m of a
+// whole one with which it is no larger than they may be.
+[[nodiscard]] std::vector<int> RestsOf(std::span<const Instance> instances,
+                                       const ClassTable& classes);
 
 }  // namespace deepslam::instances

@@ -112,11 +112,12 @@ void EraseObject(ObjectMap& map, ObjectId id) {
   std::erase_if(map.objects, [&](const MapObject& object) { return object.id == id; });
 }
 
-void RemoveTracklet(ObjectId tracklet, LoopWorld& world) {
+// The first observation of an object has its number: what was made for the whole stays.
+void RemoveTracklet(ObjectId tracklet, std::size_t num_made_before, LoopWorld& world) {
   EraseTrack(world.association, tracklet);
   EraseObject(world.map, tracklet);
   world.registrations.erase(tracklet);
-  for (ShapeCandidate& candidate : world.made.candidates) {
+  for (ShapeCandidate& candidate : std::span(world.made.candidates).subspan(num_made_before)) {
     if (candidate.object == tracklet) candidate.object = ObjectId();
   }
 }
@@ -140,7 +141,7 @@ Result<loop::SplitObjects> FindSplits(const LoopClosing& closing, const LoopWorl
 Result<WholeObjects> SplitTracks(const loop::SplitObjects& splits,
                                  const LoopClosing& closing,
                                  LoopWorld& world) {
-  WholeObjects whole{world.odometry, splits.tracklets, {}, {}};
+  WholeObjects whole{world.odometry, splits.tracklets, {}, {}, world.made.candidates.size()};
   std::vector<MapObject> tracklets;
   for (std::size_t k = 0; k < splits.tracklets.size(); ++k) {
     const ObjectId id = splits.tracklets[k].object;
@@ -169,7 +170,8 @@ Status RejoinTracks(const std::set<ObjectId>& rejoined,
                     const LoopClosing& closing,
                     LoopWorld& world) {
   for (const SplitTracklet& tracklet : before.tracklets) {
-    if (rejoined.contains(tracklet.object)) RemoveTracklet(tracklet.tracklet, world);
+    if (rejoined.contains(tracklet.object))
+      RemoveTracklet(tracklet.tracklet, before.num_made, world);
   }
   for (const ObjectId id : rejoined) {
     world.association.tracks.push_back(before.tracks.at(id));

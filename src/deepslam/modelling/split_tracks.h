@@ -3,6 +3,7 @@
 // becomes whole again.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <set>
 #include <vector>
@@ -24,6 +25,7 @@ struct WholeObjects {
   std::vector<SplitTracklet> tracklets;
   std::map<ObjectId, MapObject> objects;
   std::map<ObjectId, ObjectTrack> tracks;
+  std::size_t num_made = 0;  // candidates that loops had made by then; theirs among them
 };
 
 // The observations take the places of their objects, each scored by what it saw alone.
