@@ -16,10 +16,9 @@ constexpr double kMinSharedVolume = 0.5;  // of the smaller box
 // than what it stands on or above.
 constexpr double kMinOutlineIou = 0.6;
 // Closed things do not stand in one another: two that begin and end alike, share more than this of
-// the smaller and fill one rectangle between them are parts of one thing. Fronts are measured to
-// 2 cm, of 0.5 m and more.
+// the smaller and fill one rectangle between them are parts of one thing.
 constexpr double kMinSharedEnd = 0.2;
-constexpr double kMinFilledHull = 0.8;
+constexpr double kMinFilledHull = 0.8;  // two fronts of 0.85 m that differ by 3 deg fill 0.84
 constexpr double kMaxGapM = 0.45;  // between the boards of a rack or the planks of a console table
 constexpr double kBoardDepthM = 0.1;  // pictures are flatter, racks for anything but spices deeper
 // A chair's back stands on the edge of its seat or leans out over it.
