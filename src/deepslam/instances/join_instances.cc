@@ -15,8 +15,8 @@ constexpr double kMinSharedVolume = 0.5;  // of the smaller box
 // Of what both outlines cover: a thing on another, or a wall cabinet above a counter, is smaller
 // than what it stands on or above.
 constexpr double kMinOutlineIou = 0.6;
-// Closed things do not stand in one another: two that begin and end alike, share more than this of
-// the smaller and fill one rectangle between them are parts of one thing.
+// What nothing names does not stand in its like: two that begin and end alike, share more than this
+// of the smaller and fill one rectangle between them are parts of one thing.
 constexpr double kMinSharedEnd = 0.2;
 constexpr double kMinFilledHull = 0.8;  // two fronts of 0.85 m that differ by 3 deg fill 0.84
 constexpr double kMaxGapM = 0.45;  // between the boards of a rack or the planks of a console table
@@ -205,6 +205,18 @@ bool AreOneThing(const Instance& a, const Instance& b) {
   return a.is_named && b.is_named && height_m > -kMaxGapOfNamedM && LiesOver(box_a, box_b);
 }
 
+// Of each instance the position of the first one that it belongs to; -1: of none.
+template <typename BelongsTo>
+std::vector<int> OwnersOf(std::span<const Instance> instances, const BelongsTo& belongs_to) {
+  std::vector<int> owners;
+  for (const Instance& part : instances) {
+    const auto owner = std::ranges::find_if(
+        instances, [&](const Instance& other) { return belongs_to(part, other); });
+    owners.push_back(owner == instances.end() ? -1 : static_cast<int>(owner - instances.begin()));
+  }
+  return owners;
+}
+
 }  // namespace
 
 std::vector<int> WholesOf(std::span<const Instance> instances) {
@@ -221,24 +233,15 @@ std::vector<int> WholesOf(std::span<const Instance> instances) {
 }
 
 std::vector<int> CarriedByFeet(std::span<const Instance> instances, const ClassTable& classes) {
-  std::vector<int> carried(instances.size(), -1);
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    const auto thing = std::ranges::find_if(instances, [&](const Instance& other) {
-      return IsFootOf(instances[i], other, classes) || IsSeatOf(instances[i], other, classes);
-    });
-    if (thing != instances.end()) carried[i] = static_cast<int>(thing - instances.begin());
-  }
-  return carried;
+  return OwnersOf(instances, [&](const Instance& foot, const Instance& thing) {
+    return IsFootOf(foot, thing, classes) || IsSeatOf(foot, thing, classes);
+  });
 }
 
 std::vector<int> RestsOf(std::span<const Instance> instances, const ClassTable& classes) {
-  std::vector<int> whole_of(instances.size(), -1);
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    const auto thing = std::ranges::find_if(
-        instances, [&](const Instance& other) { return IsRestOf(instances[i], other, classes); });
-    if (thing != instances.end()) whole_of[i] = static_cast<int>(thing - instances.begin());
-  }
-  return whole_of;
+  return OwnersOf(instances, [&](const Instance& rest, const Instance& thing) {
+    return IsRestOf(rest, thing, classes);
+  });
 }
 
 }  // namespace deepslam::instances
