@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/registration/information.h"
 #include "deepslam/registration/initial_alignment.h"
 #include "support/furniture_world.h"
@@ -92,6 +93,30 @@ TEST(AlignShape, StaysWhereNothingCanBeMatched) {
   options.both_directions = false;
   EXPECT_EQ(AlignShape(world.model(), visible, {&view, 1}, far, options), far);
   EXPECT_EQ(AlignShape(world.model(), visible, {}, far, options), far);
+}
+
+// How far a chair turns towards an up that is 6 deg off, seen so many times by one view.
+double TiltFound(int num_views, bool ground_known) {
+  const FurnitureWorld world(testing_support::ChairGrid(), 0.9);
+  std::vector<MeasuredView> views = PrepareViews(world.Views({0.2}));
+  MeasuredView& view = views[0];
+  view.up_camera = Eigen::AngleAxisd(6 * kRadPerDeg, Eigen::Vector3d::UnitX()) * view.up_camera;
+  if (!ground_known) view.ground_world.reset();
+  const std::vector<const MeasuredView*> pointers(static_cast<std::size_t>(num_views), &view);
+  VisibleSurface visible(world.model());
+  const Similarity3 truth = world.world_from_object();
+  SimilarityIcpOptions options;
+  options.free_scale = false;
+  options.upright_sigma_rad = 0.004;
+  const Similarity3 aligned = AlignShape(world.model(), visible, pointers, truth, options);
+  return aligned.rotation.angularDistance(truth.rotation);
+}
+
+TEST(AlignShape, MoreViewsOfOneFaultDoNotOutweighTheGround) {
+  const double once_rad = TiltFound(1, true);
+  EXPECT_GT(once_rad, 0.03);
+  EXPECT_NEAR(TiltFound(16, true), once_rad, 0.1 * once_rad);
+  EXPECT_LT(TiltFound(16, false), 0.5 * TiltFound(1, false)) << "a guess counts once";
 }
 
 TEST(Disagreement, IsLeastAtTheTruth) {

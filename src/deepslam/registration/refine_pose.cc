@@ -87,8 +87,9 @@ void AddPriors(const shape::ShapeModel& model,
   const Eigen::Quaterniond object_from_world = world_from_object.rotation.conjugate();
   if (options.upright_sigma_rad > 0) {
     const Eigen::Vector3d up_world = view.world_from_camera.rotation * view.up_camera;
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Upright, 2, 7>(new Upright{
-                                 object_from_world * up_world, options.upright_sigma_rad}),
+    const double sigma_rad = UprightSigma(view, static_cast<int>(views.size()), options);
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Upright, 2, 7>(
+                                 new Upright{object_from_world * up_world, sigma_rad}),
                              nullptr,
                              motion.data());
   }

@@ -38,8 +38,9 @@ struct RegisterOptions {
   static constexpr double kCoarseRadius_m = 0.15;
   // And at the end: model, voxels and depth noise differ by no more.
   static constexpr double kFineRadius_m = 0.05;
-  // One standard deviation of how upright objects stand, tilt of the ground included.
-  static constexpr double kUprightSigma_deg = 2;
+  // One standard deviation of how upright one view shows objects: a Kinect's depth tilts the floor
+  // itself by 0.8 deg from view to view.
+  static constexpr double kUprightSigma_deg = 1;
   // One standard deviation of how well the model's bottom meets the ground: about half a voxel of
   // furniture.
   static constexpr double kGroundSigma_m = 0.01;

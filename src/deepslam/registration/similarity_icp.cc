@@ -97,7 +97,7 @@ void AddPriors(const shape::ShapeModel& model,
   if (options.upright_sigma_rad > 0) {
     AddUpright(any_view.world_from_camera.rotation * any_view.up_camera,
                world_from_object,
-               options.upright_sigma_rad,
+               UprightSigma(any_view, num_views, options),
                equations);
   }
   if (options.ground_sigma_m > 0 && any_view.ground_world) {
@@ -154,6 +154,13 @@ const MeasuredView* FirstUsable(std::span<const MeasuredView* const> views) {
 }
 
 }  // namespace
+
+double UprightSigma(const MeasuredView& any_view,
+                    int num_views,
+                    const SimilarityIcpOptions& options) {
+  const int num_counted = any_view.ground_world ? num_views : 1;
+  return options.upright_sigma_rad / std::sqrt(static_cast<double>(std::max(num_counted, 1)));
+}
 
 Similarity3 AlignShape(const shape::ShapeModel& model,
                        VisibleSurface& visible,

@@ -40,7 +40,7 @@ struct SimilarityIcpOptions {
   double min_scale_m = 1e-3;  // metres per object unit
   double max_scale_m = 1e3;
   // Priors as standard deviations; 0 = none.
-  double upright_sigma_rad = 0.035;  // of the model's z against the views' up
+  double upright_sigma_rad = 0.035;  // of the model's z against the views' up (UprightSigma)
   bool ground_firm = false;          // the bottom stays on the ground whatever the data say
   double ground_sigma_m = 0;         // of the model's bottom against the ground, where one is known
   double expected_scale_m = 0;       // with size_sigma, relative
@@ -66,6 +66,13 @@ struct SimilarityIcpOptions {
                                                       const Similarity3& world_from_object,
                                                       double radius_m,
                                                       const SimilarityIcpOptions& options);
+
+// The deviation of the upright prior for so many views, rad. What tilts a wrong model does so in
+// all of them alike, so that the prior counts once per view; where no ground is known, up is a
+// guess that is wrong in all of them alike, and counts once.
+[[nodiscard]] double UprightSigma(const MeasuredView& any_view,
+                                  int num_views,
+                                  const SimilarityIcpOptions& options);
 
 // How badly a placed model disagrees with the views, in [0, 2]: mean truncated squared distance of
 // the points to the model, plus that of the model's visible surface to the measurement, each
