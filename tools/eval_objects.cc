@@ -87,7 +87,11 @@ Result<ObjectScore> ScoreObject(const MappedObject& mapped,
   score.true_class = truth.box.class_name;
   score.symmetry = truth.symmetry;
   score.has_shape = truth.has_shape;
-  score.placement = eval::ComparePlacement(mapped.box, truth.box, truth.symmetry, options);
+  score.placement = eval::ComparePlacement(
+      truth.has_shape ? mapped.box : eval::WithAxesAlongLikeSides(mapped.box, truth.box),
+      truth.box,
+      truth.symmetry,
+      options);
   const Similarity3 world_from_truth = truth.box.world_from_object * eval::MeshFromGrid(truth.mesh);
   score.in_place_iou =
       eval::PlacedIou(mapped.grid,

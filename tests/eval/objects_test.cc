@@ -91,6 +91,21 @@ TEST(Placement, SidesAreComparedAsTheyStand) {
   EXPECT_NEAR(ComparePlacement(estimated, truth, Symmetry::kHalf, {}).scale_percent, 0, 1e-9);
 }
 
+TEST(Placement, ABoxAloneHasNoFront) {
+  // A bed's front is at its foot; the box drawn round it may have its x axis across.
+  const PlacedBox truth{"bed", At(0, 0, 0), {1.1, 1.9, 0.6}};
+  const PlacedBox along{"bed", At(0, 0, 90), {1.8, 1.0, 0.6}};
+  const PlacedBox across{"bed", At(0, 0, 0), {1.8, 1.0, 0.6}};
+  const auto rotation_deg = [&](const PlacedBox& bed) {
+    return ComparePlacement(WithAxesAlongLikeSides(bed, truth), truth, Symmetry::kHalf, {})
+        .rotation_deg;
+  };
+  EXPECT_NEAR(ComparePlacement(along, truth, Symmetry::kHalf, {}).rotation_deg, 90, 1e-5);
+  EXPECT_NEAR(rotation_deg(along), 0, 1e-5);
+  EXPECT_NEAR(rotation_deg(across), 90, 1e-5) << "it lies across the true one";
+  EXPECT_EQ(WithAxesAlongLikeSides(truth, truth).size_m, truth.size_m);
+}
+
 TEST(Matching, TruthAgainstItselfFindsAll) {
   const std::vector<PlacedBox> objects = {{"chair", At(0, 0, 0), {0.5, 0.5, 0.9}},
                                           {"chair", At(0.3, 0, 0), {0.5, 0.5, 0.9}},

@@ -25,6 +25,20 @@ void Describe(OptionsVisitor& visitor, PlacementOptions& options) {
       "max_scale_percent", options.max_scale_percent, {0.0, 1000.0}, "1", "of a right placement");
 }
 
+PlacedBox WithAxesAlongLikeSides(PlacedBox estimated, const PlacedBox& truth) {
+  const Eigen::Vector2d true_m = truth.size_m.head<2>();
+  const auto difference = [&](const Eigen::Vector2d& sides_m) {
+    return sides_m.cwiseQuotient(true_m).array().log().abs().sum();
+  };
+  const Eigen::Vector2d sides_m = estimated.size_m.head<2>();
+  const Eigen::Vector2d exchanged_m = sides_m.reverse();
+  if (difference(sides_m) <= difference(exchanged_m)) return estimated;
+  estimated.size_m.head<2>() = exchanged_m;
+  const Eigen::AngleAxisd quarter(std::numbers::pi / 2, Eigen::Vector3d::UnitZ());
+  estimated.world_from_object.rotation = estimated.world_from_object.rotation * quarter;
+  return estimated;
+}
+
 int QuarterTurnsAsPlaced(const Pose3& world_from_estimated, const Pose3& world_from_true) {
   const Eigen::Vector3d front = world_from_true.rotation.conjugate() *
                                 (world_from_estimated.rotation * Eigen::Vector3d::UnitX());

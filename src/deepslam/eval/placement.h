@@ -42,6 +42,10 @@ struct PlacementError {
                                               shape::Symmetry symmetry,
                                               const PlacementOptions& options);
 
+// A truth that is a box alone has no front, and which of its sides its x axis lies along says
+// nothing: the estimated box with x and y exchanged where its sides are more like the truth's so.
+[[nodiscard]] PlacedBox WithAxesAlongLikeSides(PlacedBox estimated, const PlacedBox& truth);
+
 // Quarter turns about z that bring the estimated object's axes nearest to those of the truth: its
 // shape, so turned, lies as it stands in the world.
 [[nodiscard]] int QuarterTurnsAsPlaced(const Pose3& world_from_estimated,
