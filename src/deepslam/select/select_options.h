@@ -18,8 +18,9 @@ struct SelectOptions {
   // Beyond the tolerance agreement fades to nothing over this length, twice the tolerance, so that
   // no step decides.
   static constexpr double kFade_m = 0.03;
-  // Gap between the model's bottom and the ground that is no fault: castors, carpets.
-  static constexpr double kGroundTolerance_m = 0.05;
+  // Gap between the model's bottom and the ground that is no fault: carpets, small castors, and two
+  // centimetres that depth of a floor leaves open.
+  static constexpr double kGroundTolerance_m = 0.03;
   // Depth further than this from a whole model may be of something else that was cut out with it:
   // as far as registration looks (register_shape.h).
   static constexpr double kReach_m = 0.15;

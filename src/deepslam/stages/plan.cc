@@ -61,7 +61,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      kFrames | kClasses,
      RunRegister},
     {"select",
-     30,
+     31,
      "track ground layout associate propose register",
      "views register select select.refine",
      kFrames | kClasses | kChoices | kPriors,
