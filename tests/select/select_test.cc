@@ -114,6 +114,20 @@ TEST_F(ScoreOnAChair, AModelInTheAirScoresLessThanWereThereNoGround) {
   EXPECT_LT(score.score, 0.5 * Score(testing_support::ChairGrid(), lifted, groundless));
 }
 
+// As much as floors are unsure by costs nothing; more costs what one source has before another.
+TEST_F(ScoreOnAChair, FiveCentimetresAboveTheGroundCostAndTwoDoNot) {
+  std::vector<ObjectView> groundless = views_;
+  for (ObjectView& view : groundless) view.ground_camera.reset();
+  const auto share_left = [&](double lift_m) {
+    Similarity3 lifted = truth_;
+    lifted.translation_m.z() += lift_m;
+    return Score(testing_support::ChairGrid(), lifted, views_) /
+           Score(testing_support::ChairGrid(), lifted, groundless);
+  };
+  EXPECT_EQ(share_left(0.02), 1);
+  EXPECT_LT(share_left(0.05), 0.985);
+}
+
 // A candidate cannot gain by refusing the views that speak against it.
 TEST_F(ScoreOnAChair, RefusedViewsAreJudgedAtTheJointPose) {
   const shape::ShapeModel block(testing_support::BlockGrid());
