@@ -86,10 +86,8 @@ def main():
     parser.add_argument("capture", type=pathlib.Path)
     parser.add_argument("--deepslam", type=pathlib.Path, default=ROOT / "build/release/tools/deepslam")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "out/halves")
-    words = sys.argv[1:]
-    cut = words.index("--") if "--" in words else len(words)
-    args = parser.parse_args(words[:cut])
-    args.run_options = words[cut + 1:]
+    parser.add_argument("run_options", nargs="*", metavar="RUN OPTION", help="for `deepslam run`, after --")
+    args = parser.parse_intermixed_args()
     args.deepslam, args.work, args.capture = args.deepslam.absolute(), args.work.absolute(), args.capture.absolute()
     args.work.mkdir(parents=True, exist_ok=True)
     objects, missing = scored_objects(args, mapped_halves(args))
